@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "shared/job/pass_schedule.h"
+
+namespace tilefarm {
+
+/// One pixel of one pass as the kernel leaves it (64 bytes, four RGBA32F texels; gpu_types.h has the
+/// same layout). Radiance in linear Rec.709. `count` is the number of finite samples: the pass's
+/// sample count less those dropped as NaN or infinite.
+struct PassPixel {
+    std::array<float, 3> mean{};    // radiance
+    float count = 0;
+    std::array<float, 3> m2{};      // sum of squared deviations from the mean, per channel
+    float m2Luminance = 0;          // the same of Rec.709 luminance
+    std::array<float, 3> albedo{};  // means of the auxiliary channels over the same samples
+    float depth = 0;                // scene units along the ray; 0 where nothing was hit
+    std::array<float, 3> normal{};  // world space shading normal; 0 where nothing was hit
+    float alpha = 0;                // share of camera rays that hit a surface
+};
+static_assert(sizeof(PassPixel) == 64, "must match shaders/gpu_types.h");
+
+/// Film of one pass of one tile.
+struct PassFilm {
+    uint32_t tile = 0;
+    Rect rect;
+    SampleRange samples;
+    std::vector<PassPixel> pixels;  // rect.width * rect.height, rows from the top
+};
+
+/// One pixel of a frame: everything in double, since it takes thousands of merges.
+struct FilmPixel {
+    std::array<double, 3> mean{};
+    std::array<double, 3> m2{};
+    double m2Luminance = 0;
+    std::array<double, 3> albedo{};
+    std::array<double, 3> normal{};
+    double depth = 0;
+    double alpha = 0;
+    double count = 0;    // finite samples merged
+    double dropped = 0;  // NaN or infinite samples
+
+    /// Adds a pass that rendered `samples` samples of this pixel (Chan, Golub, LeVeque 1983: pairwise
+    /// update of mean and M2). Rounding depends on the order of calls: merge in sample order.
+    void merge(const PassPixel& pass, uint32_t samples);
+    /// Variance of the mean of channel c: M2 / (n (n − 1)); 0 while n < 2.
+    double varianceOfMean(int channel) const;
+    double luminance() const;
+    double varianceOfMeanLuminance() const;
+};
+
+/// A rectangle of a frame with all passes merged so far.
+struct FilmTile {
+    Rect rect;
+    uint32_t mergedSamples = 0;  // passes covering [0, mergedSamples) are in
+    std::vector<FilmPixel> pixels;
+
+    explicit FilmTile(Rect r = {}) : rect(r), pixels(r.area()) {}
+    /// Throws Error(conflict) unless pass.samples.first == mergedSamples, Error(unprocessable) if
+    /// the rectangles differ.
+    void merge(const PassFilm& pass);
+};
+
+/// Sums over pixels from which the error estimate of a frame comes; adding tiles in any grouping
+/// gives the same estimate up to double rounding.
+struct ErrorSums {
+    double relativeVariance = 0;  // Σ Var[mean luminance] / (mean luminance² + 0.01²)
+    uint64_t pixels = 0;
+    uint64_t droppedSamples = 0;
+    void add(const FilmTile& tile);
+    void add(const ErrorSums& other);
+    /// sqrt(relativeVariance / pixels), DESIGN.md's relative_error; 0 for no pixels.
+    double relativeError() const;
+};
+
+}  // namespace tilefarm

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "shared/film/film.h"
+#include "shared/image/float_image.h"
+
+namespace tilefarm {
+
+/// String attributes of an image file, written as "tilefarm.<key>".
+using ImageAttributes = std::map<std::string, std::string>;
+
+/// Gives one tile of the frame; called once per tile, row of tiles by row of tiles from the top.
+using TileSource = std::function<FilmTile(uint32_t tile)>;
+
+/// Writes a frame as a scanline EXR (fp32, ZIP) a row of tiles at a time, so memory holds one row of
+/// tiles and not the frame. Channels: R G B A, variance.R variance.G variance.B (of the mean),
+/// samples, albedo.R albedo.G albedo.B, normal.X normal.Y normal.Z, Z (depth). Written to a
+/// temporary file beside `path`, synced, then renamed: `path` is whole or absent.
+/// Throws Error(outOfSpace | internal) that names the file.
+void writeFrameExr(const std::filesystem::path& path, const ImageSpec& image, const TileSource& tiles,
+                   const ImageAttributes& attributes);
+
+/// Reads every channel of the first part of an EXR as fp32. Throws Error(invalidArgument) that names
+/// the file and the fault, also for truncated and hostile files.
+FloatImage readExr(const std::filesystem::path& path);
+FloatImage readExr(std::span<const std::byte> bytes, const std::string& nameForErrors);
+/// The "tilefarm.*" attributes of a file, without the prefix.
+ImageAttributes readExrAttributes(const std::filesystem::path& path);
+/// Writes any planes (fp32, ZIP); for tests and tools.
+void writeExr(const std::filesystem::path& path, const FloatImage& image, const ImageAttributes& attributes = {});
+
+/// The upload of a worker: one EXR, a part per pass and tile with its data window in the frame, fp32,
+/// uncompressed (compressing costs more CPU than a local network saves). Bit-exact round trip.
+std::vector<std::byte> encodePassFilms(std::span<const PassFilm> films, const ImageSpec& image,
+                                       const ImageAttributes& attributes);
+/// What encodePassFilms wrote. Throws Error(unprocessable) that names the part and the fault.
+std::vector<PassFilm> decodePassFilms(std::span<const std::byte> bytes);
+ImageAttributes decodePassAttributes(std::span<const std::byte> bytes);
+
+}  // namespace tilefarm

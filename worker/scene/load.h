@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "worker/scene/scene.h"
+
+namespace tilefarm {
+
+/// Loads a .gltf (embedded or with files beside it) or .glb, by default at time 0 and in its default
+/// scene. Throws Error(invalidArgument) that names the file, the JSON place and the fault; every
+/// index, offset and count is checked before use. An unknown extension in extensionsRequired is an
+/// error, one in extensionsUsed a warning.
+Scene loadGltf(const std::filesystem::path& path);
+
+/// Loads an equirectangular .hdr or .exr. NaN, infinite and negative texels become 0 and a warning
+/// in `scene.warnings`. Throws Error(invalidArgument) that names the file and the fault.
+void loadEnvironment(Scene& scene, const std::filesystem::path& path);
+
+/// The camera that a job names: by camera or node name; "auto" is the scene's first camera, or
+/// framingCamera where it has none. Throws Error(invalidArgument) that lists the names there are.
+Camera selectCamera(const Scene& scene, const std::string& name, double imageAspect);
+
+/// Sees the whole scene from the front, a little from above, with a vertical field of view of 40°.
+Camera framingCamera(const Scene& scene, double imageAspect);
+
+}  // namespace tilefarm

@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// A scene as plain values, free of glTF and of Vulkan. World space is metres, y up, right handed.
+namespace tilefarm {
+
+inline constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+enum class Wrap : uint32_t { repeat, mirror, clamp };
+
+/// Pixels of one texture image, top row first. Exactly one of the two is filled.
+struct Image {
+    std::string name;
+    uint32_t width = 0, height = 0;
+    std::vector<uint8_t> rgba8;     // 4 per pixel, as stored in the file
+    std::vector<float> rgbaFloat;   // 4 per pixel, linear (16-bit and HDR sources)
+};
+
+/// How a material reads an image. The transform is KHR_texture_transform's: uv' = matrix * (uv, 1).
+struct TextureRef {
+    uint32_t image = kNone;
+    uint32_t uvSet = 0;  // 0 or 1
+    Wrap wrapS = Wrap::repeat, wrapT = Wrap::repeat;
+    bool linearFilter = true;
+    bool srgb = false;  // texels are sRGB-encoded; decoded before filtering
+    glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  // columns: d/du, d/dv, offset
+    explicit operator bool() const { return image != kNone; }
+};
+
+enum class AlphaMode : uint32_t { opaque, mask, blend };
+
+/// glTF metallic-roughness material with the extensions that the renderer knows.
+struct Material {
+    std::string name;
+    glm::vec3 baseColor{1};  // linear
+    float alpha = 1;
+    TextureRef baseColorTexture;
+    float metallic = 1, roughness = 1;
+    TextureRef metallicRoughnessTexture;  // g: roughness, b: metallic
+    TextureRef normalTexture;
+    float normalScale = 1;
+    glm::vec3 emission{0};  // emissiveFactor times emissive strength: radiance, W/(sr m²) up to the scene's scale
+    TextureRef emissionTexture;
+    AlphaMode alphaMode = AlphaMode::opaque;
+    float alphaCutoff = 0.5f;
+    bool doubleSided = false;
+    bool unlit = false;
+    float ior = 1.5f;
+    float transmission = 0;  // KHR_materials_transmission
+    TextureRef transmissionTexture;  // r
+    float thickness = 0;  // KHR_materials_volume: 0 is thin-walled, else solid
+    glm::vec3 attenuationColor{1};
+    float attenuationDistance = std::numeric_limits<float>::infinity();
+};
+
+/// Triangles of one primitive with one material in object space. Attribute arrays are empty or as
+/// long as `positions`.
+struct Mesh {
+    std::string name;
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;   // empty: flat
+    std::vector<glm::vec4> tangents;  // MikkTSpace; w is the handedness; only where a normal map needs them
+    std::vector<glm::vec2> uv0, uv1;
+    std::vector<glm::vec4> colors;    // linear, multiply the base colour and alpha
+    std::vector<glm::uvec3> triangles;
+    uint32_t material = 0;
+};
+
+struct Instance {
+    uint32_t mesh = 0;
+    glm::dmat4 toWorld{1};  // composed in double
+    std::string node;
+};
+
+enum class PunctualType : uint32_t { point, spot, directional };
+
+/// KHR_lights_punctual.
+struct PunctualLight {
+    PunctualType type = PunctualType::point;
+    glm::vec3 color{1};   // linear, times intensity: W/sr (point, spot) or W/m² (directional) up to 683 lm/W
+    glm::dvec3 position{0};
+    glm::vec3 direction{0, 0, -1};  // away from the light, unit length
+    float range = std::numeric_limits<float>::infinity();
+    float innerCone = 0, outerCone = 0.785398163f;  // half angles, rad
+    std::string name;
+};
+
+/// Equirectangular radiance, top row towards +y; column 0 starts at the seam (see shaders/lights/environment.glsl).
+struct Environment {
+    Image image;  // rgbaFloat
+    std::string name;
+};
+
+struct Camera {
+    std::string name;
+    bool orthographic = false;
+    glm::dmat4 toWorld{1};  // looks along -z, y up
+    float yfov = 0.8f;      // rad, perspective
+    float aspect = 0;       // width / height, 0: the image's own
+    float ymag = 1;         // half height in metres, orthographic
+    float xmag = 1;
+};
+
+/// What the scene holds and the renderer treats otherwise.
+struct SceneWarning {
+    std::string feature;  // "KHR_materials_sheen"
+    std::string where;    // "materials/3 (Cloth)"
+    std::string instead;  // "rendered without sheen"
+};
+
+struct Scene {
+    std::vector<Image> images;
+    std::vector<Material> materials;  // at least one
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<PunctualLight> lights;
+    std::vector<Camera> cameras;
+    Environment environment;  // no pixels: none
+    std::vector<SceneWarning> warnings;
+    uint64_t degenerateTriangles = 0;  // left out by the loader: repeated indices, zero area, not finite
+
+    bool hasEnvironment() const { return environment.image.width != 0; }
+};
+
+}  // namespace tilefarm
