@@ -36,9 +36,9 @@ struct Fault {
 /// names the fault and its place; `faults` lists every single one where there are several.
 class Error : public std::runtime_error {
 public:
-    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code(code) {}
-    Error(ErrorCode code, const std::string& message, std::vector<Fault> faults)
-        : std::runtime_error(message), code(code), faults(std::move(faults)) {}
+    Error(ErrorCode kind, const std::string& message) : std::runtime_error(message), code(kind) {}
+    Error(ErrorCode kind, const std::string& message, std::vector<Fault> every)
+        : std::runtime_error(message), code(kind), faults(std::move(every)) {}
 
     ErrorCode code;
     std::vector<Fault> faults;
