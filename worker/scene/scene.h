@@ -17,8 +17,8 @@ enum class Wrap : uint32_t { repeat, mirror, clamp };
 struct Image {
     std::string name;
     uint32_t width = 0, height = 0;
-    std::vector<uint8_t> rgba8;     // 4 per pixel, as stored in the file
-    std::vector<float> rgbaFloat;   // 4 per pixel, linear (16-bit and HDR sources)
+    std::vector<uint8_t> rgba8;    // 4 per pixel, as stored in the file
+    std::vector<float> rgbaFloat;  // 4 per pixel, linear (16-bit and HDR sources)
 };
 
 /// How a material reads an image. The transform is KHR_texture_transform's: uv' = matrix * (uv, 1).
@@ -27,7 +27,7 @@ struct TextureRef {
     uint32_t uvSet = 0;  // 0 or 1
     Wrap wrapS = Wrap::repeat, wrapT = Wrap::repeat;
     bool linearFilter = true;
-    bool srgb = false;  // texels are sRGB-encoded; decoded before filtering
+    bool srgb = false;                        // texels are sRGB-encoded; decoded before filtering
     glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  // columns: d/du, d/dv, offset
     explicit operator bool() const { return image != kNone; }
 };
@@ -44,16 +44,17 @@ struct Material {
     TextureRef metallicRoughnessTexture;  // g: roughness, b: metallic
     TextureRef normalTexture;
     float normalScale = 1;
-    glm::vec3 emission{0};  // emissiveFactor times emissive strength: radiance, W/(sr m²) up to the scene's scale
+    glm::vec3 emission{
+        0};  // emissiveFactor times emissive strength: radiance, W/(sr m²) up to the scene's scale
     TextureRef emissionTexture;
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
     bool unlit = false;
     float ior = 1.5f;
-    float transmission = 0;  // KHR_materials_transmission
+    float transmission = 0;          // KHR_materials_transmission
     TextureRef transmissionTexture;  // r
-    float thickness = 0;  // KHR_materials_volume: 0 is thin-walled, else solid
+    float thickness = 0;             // KHR_materials_volume: 0 is thin-walled, else solid
     glm::vec3 attenuationColor{1};
     float attenuationDistance = std::numeric_limits<float>::infinity();
 };
@@ -66,7 +67,7 @@ struct Mesh {
     std::vector<glm::vec3> normals;   // empty: flat
     std::vector<glm::vec4> tangents;  // MikkTSpace; w is the handedness; only where a normal map needs them
     std::vector<glm::vec2> uv0, uv1;
-    std::vector<glm::vec4> colors;    // linear, multiply the base colour and alpha
+    std::vector<glm::vec4> colors;  // linear, multiply the base colour and alpha
     std::vector<glm::uvec3> triangles;
     uint32_t material = 0;
 };
@@ -82,7 +83,7 @@ enum class PunctualType : uint32_t { point, spot, directional };
 /// KHR_lights_punctual.
 struct PunctualLight {
     PunctualType type = PunctualType::point;
-    glm::vec3 color{1};   // linear, times intensity: W/sr (point, spot) or W/m² (directional) up to 683 lm/W
+    glm::vec3 color{1};  // linear, times intensity: W/sr (point, spot) or W/m² (directional) up to 683 lm/W
     glm::dvec3 position{0};
     glm::vec3 direction{0, 0, -1};  // away from the light, unit length
     float range = std::numeric_limits<float>::infinity();
@@ -90,7 +91,8 @@ struct PunctualLight {
     std::string name;
 };
 
-/// Equirectangular radiance, top row towards +y; column 0 starts at the seam (see shaders/lights/environment.glsl).
+/// Equirectangular radiance, top row towards +y; column 0 starts at the seam (see
+/// shaders/lights/environment.glsl).
 struct Environment {
     Image image;  // rgbaFloat
     std::string name;

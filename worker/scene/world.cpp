@@ -1,0 +1,237 @@
+#include "worker/scene/world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/error/error.h"
+#include "worker/scene/limits.h"
+
+namespace tilefarm {
+namespace {
+
+glm::dvec3 transformPoint(const glm::dmat4& m, glm::dvec3 p) {
+    return glm::dvec3(m * glm::dvec4(p, 1.0));
+}
+
+bool fitsFloat(glm::dvec3 p) {
+    constexpr double max = std::numeric_limits<float>::max();
+    return std::abs(p.x) <= max && std::abs(p.y) <= max && std::abs(p.z) <= max;
+}
+
+/// Near the middle of the bounds, on a grid about as coarse as they are wide: the coordinates left are at
+/// most as large as the scene, and a scene around its origin is not moved at all.
+glm::dvec3 chooseCentre(const Scene& scene) {
+    glm::dvec3 lower(std::numeric_limits<double>::infinity()), upper = -lower;
+    for (const Instance& instance : scene.instances) {
+        for (glm::vec3 position : scene.meshes[instance.mesh].positions) {
+            const glm::dvec3 p = transformPoint(instance.toWorld, position);
+            if (fitsFloat(p)) {
+                lower = glm::min(lower, p);
+                upper = glm::max(upper, p);
+            }
+        }
+    }
+    const glm::dvec3 extent = upper - lower;
+    const double widest = std::max({extent.x, extent.y, extent.z});
+    if (!(widest > 0) || !std::isfinite(widest)) {
+        return fitsFloat(lower) ? lower : glm::dvec3(0);
+    }
+    const double grid = std::exp2(std::floor(std::log2(widest)) + 1);
+    return glm::round((lower + upper) * (0.5 / grid)) * grid;
+}
+
+/// Matrix that takes normals along: the inverse transpose up to a positive factor. The cofactors exist for
+/// singular matrices too.
+glm::dmat3 normalMatrix(const glm::dmat3& m) {
+    const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    return glm::determinant(m) < 0 ? -cofactors : cofactors;
+}
+
+/// Unit length, or zero if it has none. Scaled first, because squares of small or large values leave the
+/// range of double.
+glm::dvec3 normalizeOrZero(glm::dvec3 v) {
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!(largest > 0) || !std::isfinite(largest)) {
+        return glm::dvec3(0);
+    }
+    return glm::normalize(v / largest);
+}
+
+/// Copies one instance after the other into the arrays.
+class Flattener {
+public:
+    explicit Flattener(const Scene& scene) : scene_(scene) { out_.centre = chooseCentre(scene); }
+
+    WorldGeometry run() {
+        reserve();
+        for (const Instance& instance : scene_.instances) {
+            add(instance);
+        }
+        for (PunctualLight light : scene_.lights) {
+            light.position -= out_.centre;
+            out_.lights.push_back(light);
+        }
+        if (!out_.triangles.empty()) {
+            out_.lower = lower_;
+            out_.upper = upper_;
+        }
+        return std::move(out_);
+    }
+
+private:
+    void reserve() {
+        uint64_t vertices = 0, triangles = 0;
+        for (const Instance& instance : scene_.instances) {
+            const Mesh& mesh = scene_.meshes[instance.mesh];
+            vertices += mesh.positions.size();
+            triangles += mesh.triangles.size();
+            hasNormals_ |= !mesh.normals.empty();
+            hasTangents_ |= !mesh.tangents.empty();
+            hasUv0_ |= !mesh.uv0.empty();
+            hasUv1_ |= !mesh.uv1.empty();
+            hasColors_ |= !mesh.colors.empty();
+        }
+        if (triangles > kMaxWorldTriangles || vertices >= kNone) {
+            throw Error(
+                ErrorCode::invalidArgument,
+                fmt::format(
+                    "the scene has {} triangles and {} vertices with all instances, at most {} and {} "
+                    "can be rendered",
+                    triangles, vertices, kMaxWorldTriangles, kNone - 1));
+        }
+        out_.positions.reserve(vertices);
+        out_.triangles.reserve(triangles);
+        out_.triangleInstance.reserve(triangles);
+        out_.triangleInMesh.reserve(triangles);
+    }
+
+    void add(const Instance& instance) {
+        const Mesh& mesh = scene_.meshes[instance.mesh];
+        WorldInstance range;
+        range.mesh = instance.mesh;
+        range.material = mesh.material;
+        range.firstVertex = static_cast<uint32_t>(out_.positions.size());
+        range.vertexCount = static_cast<uint32_t>(mesh.positions.size());
+        range.firstTriangle = out_.triangleCount();
+        range.mirrored = glm::determinant(glm::dmat3(instance.toWorld)) < 0;
+        addPositions(mesh, instance.toWorld);
+        addDirections(mesh, glm::dmat3(instance.toWorld), range.mirrored);
+        addSurface(mesh);
+        addTriangles(mesh, range);
+        range.triangleCount = out_.triangleCount() - range.firstTriangle;
+        out_.instances.push_back(range);
+    }
+
+    void addPositions(const Mesh& mesh, const glm::dmat4& toWorld) {
+        for (glm::vec3 position : mesh.positions) {
+            const glm::dvec3 p = transformPoint(toWorld, position) - out_.centre;
+            out_.positions.push_back(fitsFloat(p) ? glm::vec3(p)
+                                                  : glm::vec3(std::numeric_limits<float>::infinity()));
+        }
+    }
+
+    void addDirections(const Mesh& mesh, const glm::dmat3& toWorld, bool mirrored) {
+        const size_t count = out_.positions.size();
+        const glm::dmat3 forNormals = normalMatrix(toWorld);
+        if (hasNormals_) {
+            for (glm::vec3 normal : mesh.normals) {
+                out_.normals.emplace_back(normalizeOrZero(forNormals * glm::dvec3(normal)));
+            }
+            out_.normals.resize(count, glm::vec3(0));
+        }
+        if (hasTangents_) {
+            for (size_t i = 0; i < mesh.tangents.size(); ++i) {
+                const glm::dvec3 normal = mesh.normals.empty()
+                                              ? glm::dvec3(0)
+                                              : normalizeOrZero(forNormals * glm::dvec3(mesh.normals[i]));
+                out_.tangents.push_back(worldTangent(mesh.tangents[i], normal, toWorld, mirrored));
+            }
+            out_.tangents.resize(count, glm::vec4(0));
+        }
+    }
+
+    static glm::vec4 worldTangent(glm::vec4 tangent, glm::dvec3 normal, const glm::dmat3& toWorld,
+                                  bool mirrored) {
+        glm::dvec3 t = normalizeOrZero(toWorld * glm::dvec3(tangent));
+        t = normalizeOrZero(t - normal * glm::dot(normal, t));
+        if (t == glm::dvec3(0)) {
+            return glm::vec4(0);
+        }
+        // cross(normal, tangent) turns round when space is mirrored.
+        return glm::vec4(glm::vec3(t), mirrored ? -tangent.w : tangent.w);
+    }
+
+    /// Attributes that no transform changes.
+    void addSurface(const Mesh& mesh) {
+        const size_t count = out_.positions.size();
+        const auto append = [count](auto& out, const auto& in, auto absent) {
+            out.insert(out.end(), in.begin(), in.end());
+            out.resize(count, absent);
+        };
+        if (hasUv0_) append(out_.uv0, mesh.uv0, glm::vec2(0));
+        if (hasUv1_) append(out_.uv1, mesh.uv1, glm::vec2(0));
+        if (hasColors_) append(out_.colors, mesh.colors, glm::vec4(1));
+    }
+
+    void addTriangles(const Mesh& mesh, const WorldInstance& range) {
+        const uint32_t instance = static_cast<uint32_t>(out_.instances.size());
+        const bool emissive = scene_.materials[mesh.material].emission != glm::vec3(0);
+        for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+            glm::uvec3 corners = mesh.triangles[i] + range.firstVertex;
+            if (range.mirrored) {
+                std::swap(corners.y, corners.z);
+            }
+            const double area = areaOf(corners);
+            if (!(area > 0) || !std::isfinite(area)) {
+                ++out_.degenerateTriangles;
+                continue;
+            }
+            if (emissive) {
+                out_.emissive.push_back({out_.triangleCount(), area});
+            }
+            for (int k = 0; k < 3; ++k) {
+                lower_ = glm::min(lower_, out_.positions[corners[k]]);
+                upper_ = glm::max(upper_, out_.positions[corners[k]]);
+            }
+            out_.triangles.push_back(corners);
+            out_.triangleInstance.push_back(instance);
+            out_.triangleInMesh.push_back(static_cast<uint32_t>(i));
+        }
+    }
+
+    /// Of the rounded corners, so that it is the area of what rays meet.
+    double areaOf(glm::uvec3 t) const {
+        const glm::dvec3 a(out_.positions[t.x]), b(out_.positions[t.y]), c(out_.positions[t.z]);
+        return 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+
+    const Scene& scene_;
+    WorldGeometry out_;
+    glm::vec3 lower_{std::numeric_limits<float>::infinity()}, upper_{-std::numeric_limits<float>::infinity()};
+    bool hasNormals_ = false, hasTangents_ = false, hasUv0_ = false, hasUv1_ = false, hasColors_ = false;
+};
+
+}  // namespace
+
+std::vector<glm::vec3> WorldGeometry::corners() const {
+    std::vector<glm::vec3> result;
+    result.reserve(triangles.size() * 3);
+    for (glm::uvec3 t : triangles) {
+        result.insert(result.end(), {positions[t.x], positions[t.y], positions[t.z]});
+    }
+    return result;
+}
+
+Camera WorldGeometry::recentred(const Camera& camera) const {
+    Camera moved = camera;
+    moved.toWorld[3] -= glm::dvec4(centre, 0.0);
+    return moved;
+}
+
+WorldGeometry flatten(const Scene& scene) {
+    return Flattener(scene).run();
+}
+
+}  // namespace tilefarm
