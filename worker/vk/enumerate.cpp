@@ -1,0 +1,184 @@
+#include "worker/vk/enumerate.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "worker/vk/context.h"
+
+namespace tilefarm::gpu {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr uint32_t kPushConstantBytes = 128, kUniformBytes = 16384;
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                         VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    static_cast<ValidationLog*>(user)->add(data->pMessage);
+    return VK_FALSE;
+}
+
+bool hasValidationLayer(const vk::raii::Context& loader) {
+    for (const auto& layer : loader.enumerateInstanceLayerProperties())
+        if (std::strcmp(layer.layerName, kValidationLayer) == 0) return true;
+    return false;
+}
+
+int rank(vk::PhysicalDeviceType type) {
+    switch (type) {
+        case vk::PhysicalDeviceType::eDiscreteGpu: return 0;
+        case vk::PhysicalDeviceType::eIntegratedGpu: return 1;
+        case vk::PhysicalDeviceType::eVirtualGpu: return 2;
+        case vk::PhysicalDeviceType::eCpu: return 4;
+        default: return 3;
+    }
+}
+
+std::string whyUnusable(const vk::raii::PhysicalDevice& physical,
+                        const vk::PhysicalDeviceProperties& properties) {
+    if (properties.apiVersion < VK_API_VERSION_1_2) return "Vulkan 1.2 is needed";
+    const auto families = physical.getQueueFamilyProperties();
+    if (std::none_of(families.begin(), families.end(), [](const auto& family) {
+            return bool(family.queueFlags & vk::QueueFlagBits::eCompute);
+        }))
+        return "it has no compute queue";
+    const auto& limits = properties.limits;
+    if (limits.maxPushConstantsSize < kPushConstantBytes || limits.maxUniformBufferRange < kUniformBytes)
+        return "its limits are below what Vulkan demands";
+    return {};
+}
+
+std::string driverName(const vk::raii::PhysicalDevice& physical) {
+    const auto driver =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>()
+            .get<vk::PhysicalDeviceDriverProperties>();
+    return fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+}
+
+// "llvmpipe Mesa 25.0.7-2 (LLVM 15.0.6)" -> 25; 0 for any other driver.
+uint32_t lavapipeMajor(const std::string& driver, bool cpu) {
+    const size_t at = driver.find("Mesa ");
+    if (!cpu || at == std::string::npos) return 0;
+    return static_cast<uint32_t>(std::strtoul(driver.c_str() + at + 5, nullptr, 10));
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical,
+                    const vk::PhysicalDeviceProperties& properties) {
+    DeviceInfo info;
+    info.name = properties.deviceName.data();
+    info.apiVersion =
+        fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion),
+                    VK_API_VERSION_MINOR(properties.apiVersion), VK_API_VERSION_PATCH(properties.apiVersion));
+    info.cpu = properties.deviceType == vk::PhysicalDeviceType::eCpu;
+    info.unusableWhy = whyUnusable(physical, properties);
+    info.usable = info.unusableWhy.empty();
+    // Driver properties are core in 1.2 only.
+    info.driver = properties.apiVersion >= VK_API_VERSION_1_2 ? driverName(physical) : "unknown";
+    return info;
+}
+
+DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from, const DeviceInfo& info) {
+    DeviceLimits limits;
+    limits.texelElements = from.maxTexelBufferElements;
+    limits.storageBytes = from.maxStorageBufferRange;
+    limits.uniformBytes = kUniformBytes;
+    std::copy_n(from.maxComputeWorkGroupCount.data(), 3, limits.groups);
+    limits.texelBuffers =
+        std::min(from.maxPerStageDescriptorSampledImages, from.maxDescriptorSetSampledImages);
+    limits.storageBuffers =
+        std::min(from.maxPerStageDescriptorStorageBuffers, from.maxDescriptorSetStorageBuffers);
+    limits.mesaMajor = lavapipeMajor(info.driver, info.cpu);
+    return limits;
+}
+
+std::filesystem::path& cacheFolder() {
+    static std::filesystem::path folder;
+    return folder;
+}
+
+std::string listed(const std::vector<Found>& found) {
+    if (found.empty()) return "there are none";
+    std::string text = "there are:";
+    for (const Found& each : found) text += fmt::format(" {} = {};", each.info.index, each.info.name);
+    text.pop_back();
+    return text;
+}
+
+}  // namespace
+
+bool validationByEnvironment() {
+    const char* value = std::getenv("TILEFARM_VALIDATION");
+    return value && std::strcmp(value, "1") == 0;
+}
+
+const std::filesystem::path& shaderCacheFolder() {
+    return cacheFolder();
+}
+
+void useShaderCache(const std::filesystem::path& folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed)
+        throw Error(ErrorCode::invalidArgument, fmt::format("Cannot make the shader cache folder {}: {}",
+                                                            folder.string(), failed.message()));
+    cacheFolder() = std::filesystem::absolute(folder);
+    ::setenv("MESA_SHADER_CACHE_DIR", cacheFolder().c_str(), 0);
+}
+
+vk::DebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log) {
+    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+    return {{}, Severity::eWarning | Severity::eError, Type::eValidation, onMessage, &log};
+}
+
+vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation, ValidationLog& log) {
+    const vk::ApplicationInfo application("tilefarm", 1, nullptr, 0, VK_API_VERSION_1_2);
+    if (!validation) return vk::raii::Instance(loader, vk::InstanceCreateInfo({}, &application));
+    if (!hasValidationLayer(loader))
+        throw Error(
+            ErrorCode::unprocessable,
+            "Vulkan validation was asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian: "
+            "vulkan-validationlayers)");
+    const std::vector<const char*> layers{kValidationLayer}, extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+    const vk::ValidationFeatureEnableEXT synchronization =
+        vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+    vk::StructureChain chain{vk::InstanceCreateInfo({}, &application, layers, extensions), messengerInfo(log),
+                             vk::ValidationFeaturesEXT(1, &synchronization)};
+    return vk::raii::Instance(loader, chain.get<vk::InstanceCreateInfo>());
+}
+
+std::vector<Found> findDevices(const vk::raii::Instance& instance) {
+    std::vector<std::pair<int, Found>> ranked;
+    for (auto& physical : vk::raii::PhysicalDevices(instance)) {
+        const auto properties = physical.getProperties();
+        DeviceInfo info = describe(physical, properties);
+        DeviceLimits limits = limitsOf(properties.limits, info);
+        ranked.emplace_back(rank(properties.deviceType), Found{std::move(physical), std::move(info), limits});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Found> found;
+    for (auto& [_, each] : ranked) {
+        each.info.index = static_cast<uint32_t>(found.size());
+        found.push_back(std::move(each));
+    }
+    return found;
+}
+
+Found findDevice(const vk::raii::Instance& instance, uint32_t index) {
+    auto found = findDevices(instance);
+    if (index >= found.size())
+        throw Error(ErrorCode::notFound,
+                    fmt::format("There is no Vulkan device {}; {}", index, listed(found)));
+    if (!found[index].info.usable)
+        throw Error(ErrorCode::unprocessable,
+                    fmt::format("Vulkan device {} ({}) cannot be used: {}", index, found[index].info.name,
+                                found[index].info.unusableWhy));
+    return std::move(found[index]);
+}
+
+}  // namespace tilefarm::gpu

@@ -1,0 +1,38 @@
+#pragma once
+// Instances and physical devices; for worker/vk's sources only.
+
+#include <filesystem>
+#include <vector>
+#include <vulkan/vulkan_raii.hpp>
+
+#include "worker/vk/device.h"
+
+namespace tilefarm::gpu {
+
+class ValidationLog;
+
+struct Found {
+    vk::raii::PhysicalDevice physical = nullptr;
+    DeviceInfo info;
+    DeviceLimits limits;
+};
+
+/// TILEFARM_VALIDATION=1 is in the environment.
+bool validationByEnvironment();
+
+/// The folder of useShaderCache; empty if none was named.
+const std::filesystem::path& shaderCacheFolder();
+
+/// Throws Error(unprocessable) if validation is wanted and its layer is not installed.
+vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation, ValidationLog& log);
+
+/// Sends warnings and errors of validation to `log`. (Loader and driver chatter is of another type.)
+vk::DebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log);
+
+/// All devices in the order of listDevices.
+std::vector<Found> findDevices(const vk::raii::Instance& instance);
+
+/// Device `index` of the list; throws as the constructor of Device does.
+Found findDevice(const vk::raii::Instance& instance, uint32_t index);
+
+}  // namespace tilefarm::gpu
