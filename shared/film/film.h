@@ -12,7 +12,7 @@ namespace tilefarm {
 /// same layout). Radiance in linear Rec.709. `count` is the number of finite samples: the pass's
 /// sample count less those dropped as NaN or infinite.
 struct PassPixel {
-    std::array<float, 3> mean{};    // radiance
+    std::array<float, 3> mean{};  // radiance
     float count = 0;
     std::array<float, 3> m2{};      // sum of squared deviations from the mean, per channel
     float m2Luminance = 0;          // the same of Rec.709 luminance
@@ -30,6 +30,11 @@ struct PassFilm {
     SampleRange samples;
     std::vector<PassPixel> pixels;  // rect.width * rect.height, rows from the top
 };
+
+/// Throws Error(unprocessable) that names tile and pixel where a film is not what a kernel can leave:
+/// the wrong number of pixels, a NaN or infinite mean, a count beyond that of the pass. What a server
+/// asks of an upload before it keeps it.
+void requireUsable(const PassFilm& pass);
 
 /// One pixel of a frame: everything in double, since it takes thousands of merges.
 struct FilmPixel {
@@ -60,7 +65,7 @@ struct FilmTile {
 
     explicit FilmTile(Rect r = {}) : rect(r), pixels(r.area()) {}
     /// Throws Error(conflict) unless pass.samples.first == mergedSamples, Error(unprocessable) if
-    /// the rectangles differ.
+    /// the rectangles differ or requireUsable refuses it; the tile is then as before.
     void merge(const PassFilm& pass);
 };
 

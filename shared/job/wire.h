@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 
 #include "shared/error/error.h"
@@ -17,10 +18,17 @@ nlohmann::json parseJson(std::string_view text);
 /// pointer: wrong types, unknown members, values out of range, unsafe paths, missing files.
 /// Members that may be left out take the defaults of JobSpec.
 JobSpec jobFromJson(const nlohmann::json& json);
+/// Canonical: every member, also those at their default.
 nlohmann::json toJson(const JobSpec& spec);
+/// JSON Schema (2020-12) of what jobFromJson accepts, for openapi.json and the README.
+nlohmann::json jobSchema();
+/// A member name as a part of an RFC 6901 pointer: '~' and '/' escaped.
+std::string pointerToken(std::string_view member);
 
+/// Like jobFromJson; also checks that every pass lies in the image.
 Lease leaseFromJson(const nlohmann::json& json);
 nlohmann::json toJson(const Lease& lease);
+/// Unknown members are passed over: a worker of another version must get as far as being told so.
 WorkerHello helloFromJson(const nlohmann::json& json);
 nlohmann::json toJson(const WorkerHello& hello);
 ResultReceipt receiptFromJson(const nlohmann::json& json);

@@ -1,0 +1,134 @@
+#include "shared/film/film.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/error/error.h"
+
+namespace tilefarm {
+
+namespace {
+
+template <typename T>
+double rec709Luminance(const std::array<T, 3>& rgb) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+// M2 may be infinite: a deviation of 2e19 is a finite sample whose square fp32 cannot hold.
+bool isSumOfSquares(float value) {
+    return value >= 0;
+}
+
+bool allFinite(const PassPixel& p) {
+    const auto finite = [](float value) { return std::isfinite(value); };
+    return std::all_of(p.mean.begin(), p.mean.end(), finite) &&
+           std::all_of(p.albedo.begin(), p.albedo.end(), finite) &&
+           std::all_of(p.normal.begin(), p.normal.end(), finite) && finite(p.depth) && finite(p.alpha);
+}
+
+const char* faultOf(const PassPixel& p, uint32_t samples) {
+    if (!(p.count >= 0 && p.count <= static_cast<float>(samples)) || p.count != std::floor(p.count))
+        return "its sample count is not a whole number up to that of the pass";
+    if (!allFinite(p)) return "a mean is NaN or infinite";
+    if (!std::all_of(p.m2.begin(), p.m2.end(), isSumOfSquares) || !isSumOfSquares(p.m2Luminance))
+        return "a sum of squared deviations is negative or NaN";
+    return nullptr;
+}
+
+// Mean of a set of n samples after one of `count` samples with mean `passMean` joins it.
+template <size_t N>
+void mergeMeans(std::array<double, N>& mean, const std::array<float, N>& passMean, double share) {
+    for (size_t c = 0; c < N; ++c) mean[c] += (passMean[c] - mean[c]) * share;
+}
+
+double varianceOfMeanFrom(double m2, double n) {
+    return n < 2 ? 0 : m2 / (n * (n - 1));
+}
+
+}  // namespace
+
+void FilmPixel::merge(const PassPixel& pass, uint32_t samples) {
+    dropped += samples - pass.count;
+    if (pass.count == 0) return;
+
+    const double total = count + pass.count;
+    const double share = pass.count / total;  // of the pass in the union
+    const double between = count * share;     // n_a n_b / (n_a + n_b)
+    const double luminanceStep = rec709Luminance(pass.mean) - luminance();
+
+    for (size_t c = 0; c < 3; ++c) {
+        const double step = pass.mean[c] - mean[c];
+        m2[c] += pass.m2[c] + step * step * between;
+    }
+    m2Luminance += pass.m2Luminance + luminanceStep * luminanceStep * between;
+    mergeMeans(mean, pass.mean, share);
+    mergeMeans(albedo, pass.albedo, share);
+    mergeMeans(normal, pass.normal, share);
+    depth += (pass.depth - depth) * share;
+    alpha += (pass.alpha - alpha) * share;
+    count = total;
+}
+
+double FilmPixel::varianceOfMean(int channel) const {
+    return varianceOfMeanFrom(m2[static_cast<size_t>(channel)], count);
+}
+double FilmPixel::luminance() const {
+    return rec709Luminance(mean);
+}
+double FilmPixel::varianceOfMeanLuminance() const {
+    return varianceOfMeanFrom(m2Luminance, count);
+}
+
+void requireUsable(const PassFilm& pass) {
+    const auto refuse = [&](const std::string& why) {
+        throw Error(ErrorCode::unprocessable, fmt::format("film of tile {}, samples {}+{}: {}", pass.tile,
+                                                          pass.samples.first, pass.samples.count, why));
+    };
+    if (pass.pixels.size() != pass.rect.area())
+        refuse(fmt::format("{} pixels for a rectangle of {}", pass.pixels.size(), pass.rect.area()));
+    for (size_t i = 0; i < pass.pixels.size(); ++i)
+        if (const char* fault = faultOf(pass.pixels[i], pass.samples.count))
+            refuse(fmt::format("pixel ({}, {}): {}", pass.rect.x + i % pass.rect.width,
+                               pass.rect.y + i / pass.rect.width, fault));
+}
+
+void FilmTile::merge(const PassFilm& pass) {
+    if (pass.rect != rect)
+        throw Error(
+            ErrorCode::unprocessable,
+            fmt::format("film of tile {} covers {}x{} pixels at ({}, {}), but the tile {}x{} at ({}, {})",
+                        pass.tile, pass.rect.width, pass.rect.height, pass.rect.x, pass.rect.y, rect.width,
+                        rect.height, rect.x, rect.y));
+    if (pass.samples.first != mergedSamples)
+        throw Error(ErrorCode::conflict,
+                    fmt::format("tile {} has samples up to {} merged; a pass from {} does not follow",
+                                pass.tile, mergedSamples, pass.samples.first));
+    requireUsable(pass);
+    for (size_t i = 0; i < pixels.size(); ++i) pixels[i].merge(pass.pixels[i], pass.samples.count);
+    mergedSamples = pass.samples.end();
+}
+
+void ErrorSums::add(const FilmTile& tile) {
+    // 0.01 keeps black pixels from dominating; it is about the least radiance a display shows.
+    constexpr double floor = 0.01 * 0.01;
+    for (const FilmPixel& pixel : tile.pixels) {
+        const double mean = pixel.luminance();
+        relativeVariance += pixel.varianceOfMeanLuminance() / (mean * mean + floor);
+        droppedSamples += static_cast<uint64_t>(pixel.dropped);
+    }
+    pixels += tile.pixels.size();
+}
+
+void ErrorSums::add(const ErrorSums& other) {
+    relativeVariance += other.relativeVariance;
+    pixels += other.pixels;
+    droppedSamples += other.droppedSamples;
+}
+
+double ErrorSums::relativeError() const {
+    return pixels == 0 ? 0 : std::sqrt(relativeVariance / static_cast<double>(pixels));
+}
+
+}  // namespace tilefarm

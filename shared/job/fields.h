@@ -1,0 +1,100 @@
+#pragma once
+
+// The one table of everything a job and the messages around it may say: names, ranges, meanings.
+// Reader, writer and schema (json_reader.h) all go over it. For .cpp files only.
+
+#include "shared/job/job.h"
+#include "shared/job/json_reader.h"
+#include "shared/job/lease.h"
+
+namespace tilefarm {
+
+inline constexpr uint32_t kMostTilesPerFrame = 1u << 18;
+
+template <typename Visitor>
+void describe(Visitor& v, Is<SceneBundle> auto& scene) {
+    v.files({"files", "relative path of each file of the scene -> its SHA-256", kRequired}, scene.files,
+            {1, 10000});
+    v.text({"entry", "path within files of the .gltf or .glb", kRequired}, scene.entry, {1, 1024});
+    v.text({"environment", "path within files of an equirectangular .hdr or .exr; empty for none"},
+           scene.environment, {0, 1024});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<FrameRange> auto& frames) {
+    v.integer({"first", "number of the first frame"}, frames.first, kAnyInt32);
+    v.integer({"count", "how many frames"}, frames.count, {1, 100000});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<ImageSpec> auto& image) {
+    v.integer({"width", "pixels"}, image.width, {1, 32768});
+    v.integer({"height", "pixels"}, image.height, {1, 32768});
+    v.integer({"tileSize", "pixels; never changes the picture"}, image.tileSize, {8, 4096, 8});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<RenderSettings> auto& settings) {
+    v.integer({"seed", "of the random numbers"}, settings.seed, kAnyUint32);
+    v.integer({"maxBounces", "surface scatterings after the camera ray; 0 shows emission only"},
+              settings.maxBounces, {0, 1024});
+    v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},
+              settings.rouletteStart, {0, 1024});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<StopCondition> auto& stop) {
+    v.integer({"samples", "per pixel"}, stop.samples, {1, 1 << 24});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<JobSpec> auto& job) {
+    v.text({"name", "for people"}, job.name, {0, 200});
+    v.object({"scene", "", kRequired}, job.scene);
+    v.text(
+        {"camera", "a camera or its node by name; auto: the scene's first, else one that frames the scene"},
+        job.camera, {1, 1024});
+    v.object({"frames", ""}, job.frames);
+    v.object({"image", ""}, job.image);
+    v.object({"settings", ""}, job.settings);
+    v.object({"stop", "when the picture is done"}, job.stop);
+    v.integer({"priority", "higher goes first"}, job.priority, {0, 100});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<LeasedPass> auto& pass) {
+    v.integer({"tile", "index in the frame's tiles, row by row", kRequired}, pass.tile,
+              {0, kMostTilesPerFrame - 1});
+    v.integer({"first", "first sample index", kRequired}, pass.samples.first, {0, 1 << 24});
+    v.integer({"count", "samples", kRequired}, pass.samples.count, {1, kMaxPassSamples});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<Lease> auto& lease) {
+    v.text({"id", "", kRequired}, lease.id, {1, 64});
+    v.integer({"epoch", "grows with every grant", kRequired}, lease.epoch,
+              {0, std::numeric_limits<int64_t>::max()});
+    v.text({"jobId", "", kRequired}, lease.jobId, {1, 64});
+    v.object({"spec", "", kRequired}, lease.spec);
+    v.integer({"frame", "", kRequired}, lease.frame, kAnyInt32);
+    v.list({"passes", "by first sample, then tile", kRequired}, lease.passes, {1, 1 << 20});
+    v.integer({"expiresInMs", "from the answer", kRequired}, lease.expiresInMs, kAnyUint32);
+    v.integer({"renewEveryMs", "", kRequired}, lease.renewEveryMs, kAnyUint32);
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<WorkerHello> auto& hello) {
+    v.text({"worker", "stable id, unique per process and device", kRequired}, hello.worker, {1, 200});
+    v.text({"host", "for people"}, hello.host, {0, 255});
+    v.text({"device", "Vulkan device name"}, hello.device, {0, 256});
+    v.text({"driver", "driver name and version"}, hello.driver, {0, 512});
+    v.text({"version", "of Tilefarm", kRequired}, hello.version, {1, 64});
+}
+
+template <typename Visitor>
+void describe(Visitor& v, Is<ResultReceipt> auto& receipt) {
+    v.integer({"merged", "passes counted now", kRequired}, receipt.merged, kAnyUint32);
+    v.integer({"alreadyMerged", "passes counted before", kRequired}, receipt.alreadyMerged, kAnyUint32);
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,218 @@
+#include "shared/job/wire.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/support/expect_error.h"
+
+namespace tilefarm {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+const std::string kDigest(64, 'a');
+
+json goodJob() {
+    return {
+        {"scene", {{"entry", "a.glb"}, {"files", {{"a.glb", kDigest}, {"sky.hdr", std::string(64, 'b')}}}}}};
+}
+
+std::vector<std::string> faultsOf(const json& source) {
+    const Error error = errorOf([&] { jobFromJson(source); });
+    EXPECT_EQ(error.code, ErrorCode::invalidArgument);
+    std::vector<std::string> pointers;
+    for (const Fault& fault : error.faults) pointers.push_back(fault.pointer);
+    return pointers;
+}
+
+// The good job with `patch` laid over it (RFC 7396).
+std::vector<std::string> faultsOfPatch(const char* patch) {
+    json job = goodJob();
+    job.merge_patch(json::parse(patch));
+    return faultsOf(job);
+}
+
+TEST(JobFromJson, TakesAJobThatSaysOnlyItsScene) {
+    const JobSpec spec = jobFromJson(goodJob());
+    JobSpec expected;
+    expected.scene.entry = "a.glb";
+    expected.scene.files = {{"a.glb", kDigest}, {"sky.hdr", std::string(64, 'b')}};
+    EXPECT_EQ(spec, expected);
+}
+
+TEST(JobFromJson, TakesBackWhatToJsonWrites) {
+    JobSpec spec;
+    spec.name = "Küche";
+    spec.scene = {"dir/a.GLTF", {{"dir/a.GLTF", kDigest}, {"x y/ü.EXR", kDigest}}, "x y/ü.EXR"};
+    spec.camera = "Camera.001";
+    spec.frames = {-5, 100};
+    spec.image = {32768, 1, 256};
+    spec.settings.seed = 4294967295u;
+    spec.settings.maxBounces = 0;
+    spec.settings.rouletteStart = 1024;
+    spec.stop.samples = 1 << 24;
+    spec.priority = 100;
+    const json written = toJson(spec);
+    EXPECT_EQ(jobFromJson(written), spec);
+    EXPECT_EQ(toJson(jobFromJson(parseJson(written.dump()))).dump(), written.dump());
+}
+
+TEST(JobFromJson, NamesThePlaceOfEachFault) {
+    const std::vector<std::pair<const char*, std::string>> faults{
+        {R"({"image": {"width": 0}})", "/image/width"},
+        {R"({"image": {"width": 32769}})", "/image/width"},
+        {R"({"image": {"height": "360"}})", "/image/height"},
+        {R"({"image": {"height": 1.5}})", "/image/height"},
+        {R"({"image": {"tileSize": 12}})", "/image/tileSize"},
+        {R"({"image": {"tileSize": 4104}})", "/image/tileSize"},
+        {R"({"image": {"width": 32768, "height": 32768, "tileSize": 8}})", "/image/tileSize"},
+        {R"({"image": []})", "/image"},
+        {R"({"stop": {"samples": 0}})", "/stop/samples"},
+        {R"({"stop": {"samples": 16777217}})", "/stop/samples"},
+        {R"({"stop": {"samples": -1}})", "/stop/samples"},
+        {R"({"frames": {"count": 0}})", "/frames/count"},
+        {R"({"frames": {"count": 100001}})", "/frames/count"},
+        {R"({"frames": {"first": 2147483647, "count": 2}})", "/frames/count"},
+        {R"({"priority": 101})", "/priority"},
+        {R"({"priority": true})", "/priority"},
+        {R"({"settings": {"seed": -1}})", "/settings/seed"},
+        {R"({"settings": {"maxBounces": 1025}})", "/settings/maxBounces"},
+        {R"({"settings": {"bounces": 3}})", "/settings/bounces"},
+        {R"({"sampels": 3})", "/sampels"},
+        {R"({"name": 7})", "/name"},
+        {R"({"name": "a\u0000b"})", "/name"},
+        {R"({"camera": ""})", "/camera"},
+        {R"({"scene": null})", "/scene"},
+        {R"({"scene": {"entry": null}})", "/scene/entry"},
+        {R"({"scene": {"files": null}})", "/scene/files"},
+        {R"({"scene": {"entry": "b.glb"}})", "/scene/entry"},
+        {R"({"scene": {"entry": "sky.hdr"}})", "/scene/entry"},
+        {R"({"scene": {"environment": "a.glb"}})", "/scene/environment"},
+        {R"({"scene": {"environment": "dusk.hdr"}})", "/scene/environment"},
+        {R"({"scene": {"files": {"c.bin": "abc"}}})", "/scene/files/c.bin"},
+        {R"({"scene": {"files": {"c.bin": 7}}})", "/scene/files/c.bin"},
+    };
+    for (const auto& [patch, pointer] : faults)
+        EXPECT_THAT(faultsOfPatch(patch), ElementsAre(pointer)) << patch;
+}
+
+TEST(JobFromJson, RefusesPathsThatLeaveTheirFolder) {
+    for (const char* path : {"", "/etc/passwd", "../a.bin", "a/../b", "a/..", "./a", "a//b", "a/", "a\\b",
+                             "C:/a", "c:a", "a:b", "a\nb", "\x7f", "..", "."}) {
+        json job = goodJob();
+        job["scene"]["files"][path] = kDigest;
+        EXPECT_THAT(faultsOf(job), ElementsAre("/scene/files/" + pointerToken(path))) << path;
+    }
+    json job = goodJob();
+    job["scene"]["files"][std::string("a\0b", 3)] = kDigest;
+    job["scene"]["files"][std::string(256, 'x')] = kDigest;
+    EXPECT_EQ(faultsOf(job).size(), 2u);
+}
+
+TEST(JobFromJson, TakesUnusualButSafePaths) {
+    json job = goodJob();
+    for (const char* path : {"..a", "a..b/c", "...", "ü/ö.bin", "a b", "%2e%2e", "~", "ab:c", "-rf", "C"})
+        job["scene"]["files"][path] = kDigest;
+    EXPECT_NO_THROW(jobFromJson(job));
+}
+
+TEST(JobFromJson, RefusesAFileThatIsAlsoAFolder) {
+    json job = goodJob();
+    job["scene"]["files"]["tex"] = kDigest;
+    job["scene"]["files"]["tex/wood.png"] = kDigest;
+    EXPECT_THAT(faultsOf(job), ElementsAre("/scene/files/tex~1wood.png"));
+}
+
+TEST(JobFromJson, ReportsAllFaultsAtOnce) {
+    const json job = json::parse(R"({"name": 1, "image": {"width": 0, "height": 0, "depth": 1},
+        "scene": {"entry": "a.obj", "files": {"../a": "x", "b.bin": "y"}}, "stop": {"samples": 1.5}, "extra": {}})");
+    EXPECT_THAT(faultsOf(job),
+                UnorderedElementsAre("/name", "/image/width", "/image/height", "/image/depth", "/scene/entry",
+                                     "/scene/entry", "/scene/files/..~1a", "/scene/files/..~1a",
+                                     "/scene/files/b.bin", "/stop/samples", "/extra"));
+}
+
+TEST(JobFromJson, RefusesWhatIsNoObject) {
+    for (const char* text : {"null", "[]", "7", "\"job\"", "true"})
+        EXPECT_THAT(faultsOf(json::parse(text)), ElementsAre("")) << text;
+    EXPECT_THAT(faultsOf(json::object()), ElementsAre("/scene"));
+}
+
+TEST(JobFromJson, SaysOneSentenceForPeople) {
+    EXPECT_STREQ(errorOf([] {
+                     json job = goodJob();
+                     job["image"]["width"] = 0;
+                     jobFromJson(job);
+                 }).what(),
+                 "the job: /image/width must be a whole number from 1 to 32768, not 0");
+}
+
+TEST(JobSchema, StatesTheSameRangesAsTheReader) {
+    const json schema = jobSchema();
+    EXPECT_EQ(schema["required"], json::parse(R"(["scene"])"));
+    const json& width = schema["properties"]["image"]["properties"]["width"];
+    EXPECT_EQ(width["maximum"], 32768);
+    for (const int value : {width["minimum"].get<int>(), width["maximum"].get<int>()}) {
+        json job = goodJob();
+        job["image"]["width"] = value;
+        EXPECT_NO_THROW(jobFromJson(job));
+        job["image"]["width"] = value == 1 ? 0 : value + 1;
+        EXPECT_THAT(faultsOf(job), ElementsAre("/image/width"));
+    }
+}
+
+Lease goodLease() {
+    Lease lease;
+    lease.id = "l1";
+    lease.epoch = 1ull << 60;
+    lease.jobId = "j1";
+    lease.spec = jobFromJson(goodJob());
+    lease.frame = -3;
+    lease.passes = {{0, {0, 1}}, {14, {64, 64}}};
+    return lease;
+}
+
+TEST(Lease, SurvivesTheWire) {
+    const Lease lease = goodLease();
+    EXPECT_EQ(leaseFromJson(parseJson(toJson(lease).dump())), lease);
+}
+
+TEST(Lease, ObeysTheRulesOfItsJobAndImage) {
+    json outside = toJson(goodLease());
+    outside["passes"][0]["tile"] = 15;  // 640x360 in tiles of 128: 5 x 3
+    EXPECT_THAT(errorOf([&] { leaseFromJson(outside); }).what(),
+                HasSubstr("tile 15 of an image of 15 tiles"));
+
+    json escaping = toJson(goodLease());
+    escaping["spec"]["scene"]["files"]["../../home/a"] = kDigest;
+    EXPECT_EQ(codeOf([&] { leaseFromJson(escaping); }), ErrorCode::invalidArgument);
+
+    json bare = toJson(goodLease());
+    bare.erase("epoch");
+    bare["passes"][1].erase("count");
+    const Error error = errorOf([&] { leaseFromJson(bare); });
+    EXPECT_THAT(error.faults,
+                ElementsAre(Fault{"/epoch", "is missing"}, Fault{"/passes/1/count", "is missing"}));
+}
+
+TEST(WorkerHello, SurvivesTheWireAndIgnoresNews) {
+    const WorkerHello hello{"w-1", "render3", "llvmpipe", "Mesa 25.0", "0.1.0"};
+    json written = toJson(hello);
+    written["wantSeconds"] = 5;
+    EXPECT_EQ(helloFromJson(written), hello);
+    written.erase("worker");
+    EXPECT_EQ(codeOf([&] { helloFromJson(written); }), ErrorCode::invalidArgument);
+}
+
+TEST(ResultReceipt, SurvivesTheWire) {
+    const ResultReceipt receipt{3, 4};
+    EXPECT_EQ(receiptFromJson(toJson(receipt)), receipt);
+}
+
+}  // namespace
+}  // namespace tilefarm
