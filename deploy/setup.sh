@@ -5,9 +5,12 @@
 # system's own release is older, the driver comes from its backports suite, through the mirror that
 # the system already uses; where that is not to be had, the stock driver is kept.
 #
+# The package names hold on Debian 12 and 13. What differs is found at build time (Embree 3 or 4).
+#
 #   deploy/setup.sh            packages to build, run and test
 #   deploy/setup.sh --bench    also what the comparison benchmarks need (Blender)
 set -euo pipefail
+export LC_ALL=C  # apt's answers are read below
 
 readonly mesa_wanted=24.3
 readonly backports_list=/etc/apt/sources.list.d/tilefarm-backports.sources
@@ -25,16 +28,25 @@ bench_packages=(blender python3-numpy)
 say() { printf 'setup: %s\n' "$*" >&2; }
 fail() { say "$*"; exit 1; }
 
+command -v apt-get >/dev/null && command -v dpkg-query >/dev/null || fail "needs apt-get: Debian 12 or newer"
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || fail "needs root or sudo to install packages"
     as_root=(sudo)
 fi
-apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=300 "$@"; }
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+# Quiet unless it fails: what apt-get said then goes to stderr.
+apt() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=300 \
+        "$@" >"$log" 2>&1 </dev/null && return
+    local status=$?
+    tail -n 25 "$log" >&2
+    return "$status"
+}
 
 installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok installed'; }
-candidate() { apt-cache policy "$1" | sed -n 's/^ *Candidate: //p'; }
-at_least() { dpkg --compare-versions "$1" ge "$2"; }
+candidate() { apt-cache policy "$1" | sed -n '/(none)/d; s/^ *Candidate: //p'; }
+at_least() { [ -n "$1" ] && dpkg --compare-versions "$1" ge "$2"; }
 mesa_installed() { dpkg-query -W -f='${Version}' mesa-vulkan-drivers 2>/dev/null || true; }
 
 # Prints "URI<tab>KEYRING" of the mirror that serves the release itself (not its security suite), from
@@ -89,14 +101,24 @@ install_mesa() {
         return
     fi
     local suite
+    # shellcheck disable=SC1091  # the system's own file
     suite="$(. /etc/os-release && printf '%s' "${VERSION_CODENAME:-}")-backports"
     # libgl1-mesa-dri comes along because older builds of it refuse the newer driver's libraries.
     if add_backports && apt install --no-install-recommends -t "$suite" mesa-vulkan-drivers libgl1-mesa-dri; then
         say "Mesa $(mesa_installed) from $suite"
     else
         say "no Mesa $mesa_wanted to be had; carrying on with the stock driver"
-        apt install --no-install-recommends mesa-vulkan-drivers
+        installed mesa-vulkan-drivers || apt install --no-install-recommends mesa-vulkan-drivers ||
+            fail "no Vulkan driver could be installed; apt-get's words are above"
     fi
+}
+
+install_packages() {
+    local package unknown=()
+    for package; do [ -n "$(candidate "$package")" ] || unknown+=("$package"); done
+    [ ${#unknown[@]} -eq 0 ] || fail "this system's apt knows no ${unknown[*]}; Tilefarm needs Debian 12 or newer and its main archive"
+    say "installing $# packages"
+    apt install --no-install-recommends "$@" || fail "installing failed; apt-get's words are above"
 }
 
 main() {
@@ -105,14 +127,19 @@ main() {
         --bench) packages+=("${bench_packages[@]}") ;;
         *) fail "unknown option '$1' (only --bench is known)" ;;
     esac
-    command -v apt-get >/dev/null || fail "needs apt-get (Debian 12 or newer)"
-
     local missing=() package
     for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done
+    if [ "$(id -u)" -ne 0 ] && ! sudo -v 2>/dev/null; then
+        # Without rights, what is there may be enough.
+        installed mesa-vulkan-drivers || missing+=(mesa-vulkan-drivers)
+        [ ${#missing[@]} -eq 0 ] || fail "needs root or sudo to install: ${missing[*]}"
+        say "ready (Mesa $(mesa_installed); no root or sudo, so nothing was updated)"
+        return
+    fi
     if [ ${#missing[@]} -gt 0 ] || ! at_least "$(mesa_installed)" "$mesa_wanted"; then
         apt update || say "apt-get update reported errors; trying with the lists there are"
     fi
-    [ ${#missing[@]} -eq 0 ] || { say "installing ${#missing[@]} packages"; apt install --no-install-recommends "${missing[@]}"; }
+    [ ${#missing[@]} -eq 0 ] || { install_packages "${missing[@]}"; }
     install_mesa
     say "ready (Mesa $(mesa_installed))"
 }
