@@ -88,7 +88,10 @@ void DurableFile::flush() {
         const ssize_t n =
             pwrite(fd_, buffer_.data() + done, buffer_.size() - done, static_cast<off_t>(flushed_ + done));
         if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw fileError("write", path_, errno);
+        if (n < 0) {
+            failure_ = errno;
+            throw fileError("write", path_, failure_);
+        }
         done += static_cast<size_t>(n);
     }
     flushed_ += done;
@@ -96,6 +99,8 @@ void DurableFile::flush() {
 }
 
 void DurableFile::commit() {
+    // A caller may have swallowed the fault (OpenEXR's destructors do); the file is spoilt all the same.
+    if (failure_ != 0) throw fileError("write", path_, failure_);
     flush();
     if (fsync(fd_) != 0) throw fileError("sync", path_, errno);
     if (rename(temporary_.c_str(), path_.c_str()) != 0) throw fileError("rename to", path_, errno);

@@ -22,7 +22,8 @@ Error fileError(std::string_view whatWasTried, const std::filesystem::path& path
 /// A file that appears whole or not at all. Bytes go to a temporary file in the same folder; commit()
 /// syncs it, gives it its name (replacing a file of that name) and syncs the folder, so that after it
 /// returns the file outlives a power cut. Without commit() nothing remains. Not thread safe; writers
-/// of the same path do not disturb each other, the last to commit wins.
+/// of the same path do not disturb each other, the last to commit wins. After a failed write commit()
+/// fails too.
 /// Everything throws Error as of fileError.
 class DurableFile {
 public:
@@ -44,6 +45,7 @@ private:
 
     std::filesystem::path path_, temporary_;
     int fd_ = -1;
+    int failure_ = 0;       // errno of a write that failed
     uint64_t flushed_ = 0;  // position of the first byte in buffer_
     std::vector<std::byte> buffer_;
 };
