@@ -1,4 +1,18 @@
 #pragma once
+// Four-wide bounding volume hierarchy over triangles, in the flat form that shaders/intersect.glsl reads.
+//
+// Both arrays are texels of four 32-bit words, bound as RGBA32UI uniform texel buffers; floats are stored as
+// their bits. A node is kBvhNodeTexels texels:
+//     0  min.x of the four children      1  max.x
+//     2  min.y                           3  max.y
+//     4  min.z                           5  max.z
+//     6  references of the four children
+// A reference is the first texel of an inner node; or kBvhLeaf | (count - 1) << kBvhCountShift | first texel
+// of the leaf's triangles; or, for a child that is not there, kBvhLeaf with a box that no ray enters. A
+// triangle is kBvhTriangleTexels texels, one per axis, so that a permutation of the axes is one of addresses:
+//     0  x of the three corners, tag     1  y of the corners, tag     2  z of the corners, tag
+// The tag is the index of the triangle as given, with kBvhNonOpaque set where the kernel has to ask
+// acceptHit.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -7,17 +21,33 @@
 
 namespace tilefarm {
 
-/// Four-wide BVH in the flat form that shaders/intersect.glsl reads. One 16-byte texel per glm::vec4
-/// or glm::uvec4; see the layout beside `packBvh`.
+inline constexpr uint32_t kBvhNodeTexels = 7;
+inline constexpr uint32_t kBvhTriangleTexels = 3;
+inline constexpr uint32_t kBvhLeafTriangles = 4;  // at most
+inline constexpr uint32_t kBvhLeaf = 0x80000000u;
+inline constexpr uint32_t kBvhCountShift = 29;
+inline constexpr uint32_t kBvhNonOpaque = 0x80000000u;
+
 struct Bvh {
-    std::vector<glm::vec4> nodes;      // kBvhNodeTexels per node, node 0 is the root
-    std::vector<uint32_t> primitives;  // leaf order -> index of the triangle as given
+    std::vector<glm::uvec4> nodes;      // node 0 is the root, always there
+    std::vector<glm::uvec4> triangles;  // in leaf order, by index within a leaf
     uint32_t nodeCount = 0;
-    uint32_t maxDepth = 0;  // longest path from the root in nodes: bounds the traversal stack
+    uint32_t triangleCount = 0;
+    uint32_t maxDepth = 0;  // nodes on the longest path from the root
+    /// Entries that a depth-first traversal can have waiting at once, at most: what it needs for a stack.
+    uint32_t stackSize = 0;
 };
 
-/// Builds over triangles given as three world-space corners each. All corners must be finite. Within a
-/// leaf primitives are sorted by index and the tree depends on the input alone, not on thread timing.
-Bvh buildBvh(std::span<const glm::vec3> corners);
+/// Builds over triangles given as three world-space corners each; all corners must be finite. `nonOpaque` is
+/// empty or says for each triangle, by a nonzero value, that the kernel has to ask acceptHit. The tree
+/// depends on the input alone, not on thread timing. Throws Error(unprocessable) above what 29 bits of texel
+/// address hold (178 million triangles).
+Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque = {});
+
+/// The specialization constant kBvhStackSize for scenes with this stack: in steps, so that scenes share
+/// kernels.
+inline uint32_t bvhStackConstant(const Bvh& bvh) {
+    return bvh.stackSize < 8 ? 8 : (bvh.stackSize + 7) / 8 * 8;
+}
 
 }  // namespace tilefarm
