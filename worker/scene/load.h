@@ -21,7 +21,8 @@ void loadEnvironment(Scene& scene, const std::filesystem::path& path);
 /// framingCamera where it has none. Throws Error(invalidArgument) that lists the names there are.
 Camera selectCamera(const Scene& scene, const std::string& name, double imageAspect);
 
-/// Sees the whole scene from the front, a little from above, with a vertical field of view of 40°.
+/// Sees the whole scene from the front, a little from above and from the side, with a vertical field of
+/// view of 40°.
 Camera framingCamera(const Scene& scene, double imageAspect);
 
 }  // namespace tilefarm

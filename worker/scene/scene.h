@@ -100,9 +100,10 @@ struct Environment {
 
 struct Camera {
     std::string name;
+    std::string node;  // name of the node that places it
     bool orthographic = false;
-    glm::dmat4 toWorld{1};  // looks along -z, y up
-    float yfov = 0.8f;      // rad, perspective
+    glm::dmat4 toWorld{1};  // looks along -z, y up; a rotation and a translation, no scale
+    float yfov = 0.8f;      // rad, perspective; full angle
     float aspect = 0;       // width / height, 0: the image's own
     float ymag = 1;         // half height in metres, orthographic
     float xmag = 1;

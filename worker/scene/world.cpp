@@ -7,6 +7,7 @@
 
 #include "shared/error/error.h"
 #include "worker/scene/limits.h"
+#include "worker/scene/mesh_repair.h"
 
 namespace tilefarm {
 namespace {
@@ -47,16 +48,6 @@ glm::dvec3 chooseCentre(const Scene& scene) {
 glm::dmat3 normalMatrix(const glm::dmat3& m) {
     const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     return glm::determinant(m) < 0 ? -cofactors : cofactors;
-}
-
-/// Unit length, or zero if it has none. Scaled first, because squares of small or large values leave the
-/// range of double.
-glm::dvec3 normalizeOrZero(glm::dvec3 v) {
-    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!(largest > 0) || !std::isfinite(largest)) {
-        return glm::dvec3(0);
-    }
-    return glm::normalize(v / largest);
 }
 
 /// Copies one instance after the other into the arrays.

@@ -1,0 +1,119 @@
+#include "worker/scene/cameras_lights.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tilefarm {
+namespace {
+
+/// A number greater than 0 that a float holds.
+float positive(const JsonNode& node) {
+    const double value = node.number();
+    const auto rounded = static_cast<float>(value);
+    if (!(rounded > 0) || !std::isfinite(rounded)) {
+        node.fail(fmt::format("must be greater than 0, is {}", value));
+    }
+    return rounded;
+}
+
+/// Viewers take the absolute value of the half sizes, and so do we.
+float halfSize(const JsonNode& node) {
+    const auto value = static_cast<float>(std::abs(node.number()));
+    if (!(value > 0) || !std::isfinite(value)) {
+        node.fail("must not be 0");
+    }
+    return value;
+}
+
+Camera parseCamera(const JsonNode& node) {
+    Camera camera;
+    camera.name = node["name"].textOr("");
+    const std::string& type = node["type"].text();
+    if (type == "perspective") {
+        const JsonNode perspective = node["perspective"];
+        camera.yfov = positive(perspective["yfov"]);
+        if (camera.yfov >= std::numbers::pi_v<float>) {
+            perspective["yfov"].fail(fmt::format("must be less than pi, is {}", camera.yfov));
+        }
+        if (const JsonNode aspect = perspective["aspectRatio"]) {
+            camera.aspect = positive(aspect);
+        }
+    } else if (type == "orthographic") {
+        camera.orthographic = true;
+        camera.xmag = halfSize(node["orthographic"]["xmag"]);
+        camera.ymag = halfSize(node["orthographic"]["ymag"]);
+        camera.aspect = camera.xmag / camera.ymag;
+    } else {
+        node["type"].fail(fmt::format("is \"{}\", must be perspective or orthographic", type));
+    }
+    return camera;
+}
+
+PunctualType parseType(const JsonNode& node) {
+    const std::string& type = node.text();
+    if (type == "point") return PunctualType::point;
+    if (type == "spot") return PunctualType::spot;
+    if (type == "directional") return PunctualType::directional;
+    node.fail(fmt::format("is \"{}\", must be point, spot or directional", type));
+}
+
+void parseCone(const JsonNode& spot, PunctualLight& light) {
+    constexpr double quarter = std::numbers::pi / 2;
+    const double inner = spot["innerConeAngle"].numberOr(0);
+    const double outer = spot["outerConeAngle"].numberOr(quarter / 2);
+    // A float's pi/2 is a little more than pi/2, and files round.
+    if (!(inner >= 0 && inner <= outer && outer <= quarter + 1e-6)) {
+        spot.fail(fmt::format("its cones must be 0 <= inner <= outer <= pi/2, are {} and {}", inner, outer));
+    }
+    light.innerCone = static_cast<float>(inner);
+    light.outerCone = static_cast<float>(std::min(outer, quarter));
+}
+
+PunctualLight parseLight(const JsonNode& node) {
+    PunctualLight light;
+    light.name = node["name"].textOr("");
+    light.type = parseType(node["type"]);
+    const double intensity = node["intensity"].numberOr(1);
+    glm::dvec3 color(1);
+    if (const JsonNode given = node["color"]) {
+        const std::vector<double> v = given.numbers(3);
+        color = {v[0], v[1], v[2]};
+    }
+    light.color = color * intensity;
+    for (int c = 0; c < 3; ++c) {
+        if (!(light.color[c] >= 0) || !std::isfinite(light.color[c])) {
+            node.fail("its colour times intensity must be finite and not negative");
+        }
+    }
+    if (const JsonNode range = node["range"]; range && light.type != PunctualType::directional) {
+        light.range = positive(range);
+    }
+    if (light.type == PunctualType::spot) {
+        parseCone(node["spot"], light);
+    }
+    return light;
+}
+
+}  // namespace
+
+std::vector<Camera> parseCameras(const JsonNode& root) {
+    const JsonNode nodes = root["cameras"];
+    std::vector<Camera> cameras;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        cameras.push_back(parseCamera(nodes[i]));
+    }
+    return cameras;
+}
+
+std::vector<PunctualLight> parseLights(const JsonNode& root) {
+    const JsonNode nodes = root["extensions"]["KHR_lights_punctual"]["lights"];
+    std::vector<PunctualLight> lights;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        lights.push_back(parseLight(nodes[i]));
+    }
+    return lights;
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,81 @@
+#include "worker/scene/extensions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace tilefarm {
+namespace {
+
+struct KnownExtension {
+    std::string_view name;
+    std::string_view instead;  // empty: rendered, or changes nothing in a picture
+};
+
+// A lobe that the renderer learns loses its text here and gains a reader in materials.cpp.
+constexpr KnownExtension kKnown[] = {
+    {"EXT_mesh_gpu_instancing", ""},
+    {"EXT_meshopt_compression", ""},
+    {"KHR_draco_mesh_compression", ""},
+    {"KHR_lights_punctual", ""},
+    {"KHR_materials_emissive_strength", ""},
+    {"KHR_materials_ior", ""},
+    {"KHR_materials_transmission", ""},
+    {"KHR_materials_unlit", ""},
+    {"KHR_materials_volume", ""},
+    {"KHR_mesh_quantization", ""},
+    {"KHR_meshopt_compression", ""},
+    {"KHR_node_visibility", ""},
+    {"KHR_texture_transform", ""},
+    {"KHR_xmp", ""},
+    {"KHR_xmp_json_ld", ""},
+    {"KHR_materials_anisotropy", "rendered with isotropic roughness"},
+    {"KHR_materials_clearcoat", "rendered without the coat"},
+    {"KHR_materials_diffuse_transmission", "rendered without light shining through"},
+    {"KHR_materials_dispersion", "rendered with one index of refraction for all wavelengths"},
+    {"KHR_materials_iridescence", "rendered without thin-film colours"},
+    {"KHR_materials_pbrSpecularGlossiness", "converted to metallic-roughness, without its specular colour"},
+    {"KHR_materials_sheen", "rendered without sheen"},
+    {"KHR_materials_specular", "rendered with the specular reflection that the index of refraction gives"},
+    {"KHR_materials_variants", "rendered with the default materials"},
+    {"KHR_materials_volume_scatter", "rendered with absorption alone"},
+    {"KHR_animation_pointer", "rendered at rest"},
+};
+
+const KnownExtension* find(std::string_view name) {
+    const auto* known =
+        std::find_if(std::begin(kKnown), std::end(kKnown),
+                     [name](const KnownExtension& extension) { return extension.name == name; });
+    return known == std::end(kKnown) ? nullptr : known;
+}
+
+}  // namespace
+
+void checkExtensions(LoadContext& load) {
+    const JsonNode required = load.file.root()["extensionsRequired"];
+    for (size_t i = 0; i < required.size(); ++i) {
+        if (!find(required[i].text())) {
+            required[i].fail(
+                fmt::format("the scene cannot be read without {}, which is not known", required[i].text()));
+        }
+    }
+    const JsonNode used = load.file.root()["extensionsUsed"];
+    for (size_t i = 0; i < used.size(); ++i) {
+        if (!find(used[i].text())) {
+            load.warn(used[i].text(), used[i], "not known, left out");
+        }
+    }
+    warnOfNotRendered(load, load.file.root());
+}
+
+void warnOfNotRendered(LoadContext& load, const JsonNode& object) {
+    for (const std::string& name : object["extensions"].keys()) {
+        const KnownExtension* known = find(name);
+        if (known && !known->instead.empty()) {
+            load.warn(name, object, std::string(known->instead));
+        }
+    }
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tilefarm {
+
+/// A value in a JSON document together with its place, so that every fault found in it names the file
+/// and an RFC 6901 pointer. A member that is not there is a node too, which is false. The document
+/// must outlive its nodes. Every reading function throws Error(invalidArgument) on a wrong type.
+class JsonNode {
+public:
+    JsonNode(const nlohmann::json* value, std::string place, const std::string* file)
+        : value_(value), place_(std::move(place)), file_(file) {}
+
+    explicit operator bool() const { return value_ != nullptr; }
+    /// A member of an object; false where either is missing.
+    JsonNode operator[](std::string_view key) const;
+    /// An element of an array; must be less than size().
+    JsonNode operator[](size_t index) const;
+
+    bool isString() const;
+    bool isObject() const;
+    /// Elements of the array, 0 where it is missing.
+    size_t size() const;
+    /// Keys of the object in alphabetical order, none where it is missing.
+    std::vector<std::string> keys() const;
+
+    const std::string& text() const;
+    std::string textOr(const std::string& fallback) const;
+    double number() const;
+    double numberOr(double fallback) const;
+    bool booleanOr(bool fallback) const;
+    /// An integer of 0 … max; 3.0 counts as one, as in JSON Schema.
+    uint64_t integer(uint64_t max) const;
+    uint64_t integerOr(uint64_t fallback, uint64_t max) const;
+    /// An index into an array of `count` elements, named `array` in the error.
+    uint32_t index(size_t count, const char* array) const;
+    /// Exactly `count` numbers.
+    std::vector<double> numbers(size_t count) const;
+
+    [[noreturn]] void fail(const std::string& fault) const;
+    /// "/meshes/0/primitives/1"
+    const std::string& place() const { return place_; }
+
+private:
+    const nlohmann::json& value() const;
+    [[noreturn]] void failType(const char* wanted) const;
+
+    const nlohmann::json* value_;
+    std::string place_;
+    const std::string* file_;
+};
+
+/// Owns a parsed document. Refuses what two readers could understand differently (repeated keys) and
+/// nesting deep enough to be an attack. Throws Error(invalidArgument) that names `file`.
+class JsonDocument {
+public:
+    JsonDocument(std::string_view text, std::string file);
+    ~JsonDocument();
+    JsonNode root() const { return {json_.get(), "", &file_}; }
+    const std::string& file() const { return file_; }
+
+private:
+    std::string file_;
+    std::unique_ptr<const nlohmann::json> json_;
+};
+
+}  // namespace tilefarm

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "worker/scene/accessors.h"
+#include "worker/scene/gltf_file.h"
+#include "worker/scene/scene.h"
+
+namespace tilefarm {
+
+/// What the parts of the glTF loader share while one file is loaded.
+struct LoadContext {
+    const GltfFile& file;
+    BufferViews& views;
+    Accessors& accessors;
+    Scene& scene;
+
+    /// Notes what is rendered otherwise, once for each feature and place.
+    void warn(const std::string& feature, const JsonNode& where, const std::string& instead);
+};
+
+/// "materials/3 (Cloth)", for people.
+std::string labelOf(const JsonNode& node);
+
+}  // namespace tilefarm

@@ -1,0 +1,240 @@
+#include "worker/scene/nodes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/scene/cameras_lights.h"
+#include "worker/scene/limits.h"
+#include "worker/scene/mesh_repair.h"
+#include "worker/scene/transform.h"
+
+namespace tilefarm {
+namespace {
+
+bool isFinite(const glm::dmat4& m) {
+    for (int c = 0; c < 4; ++c) {
+        for (int r = 0; r < 4; ++r) {
+            if (!std::isfinite(m[c][r])) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/// The forest of nodes. Iterative throughout: a chain may be as long as the file.
+class NodeTree {
+public:
+    explicit NodeTree(const JsonNode& root)
+        : nodes_(root["nodes"]), children_(nodes_.size()), toWorld_(nodes_.size()) {
+        findParents();
+        compose();
+    }
+
+    size_t size() const { return children_.size(); }
+    JsonNode node(uint32_t index) const { return nodes_[index]; }
+    const std::vector<uint32_t>& children(uint32_t index) const { return children_[index]; }
+    const std::vector<uint32_t>& roots() const { return roots_; }
+    const glm::dmat4& toWorld(uint32_t index) const { return toWorld_[index]; }
+
+private:
+    void findParents() {
+        std::vector<uint32_t> parent(size(), kNone);
+        for (uint32_t i = 0; i < size(); ++i) {
+            const JsonNode list = nodes_[i]["children"];
+            for (size_t c = 0; c < list.size(); ++c) {
+                const uint32_t child = list[c].index(size(), "/nodes");
+                if (parent[child] != kNone) {
+                    list[c].fail(
+                        fmt::format("/nodes/{} is a child of /nodes/{} already", child, parent[child]));
+                }
+                parent[child] = i;
+                children_[i].push_back(child);
+            }
+        }
+        for (uint32_t i = 0; i < size(); ++i) {
+            if (parent[i] == kNone) {
+                roots_.push_back(i);
+            }
+        }
+    }
+
+    /// From the roots down. What no root leads to is in a cycle, as every node has at most one parent.
+    void compose() {
+        std::vector<bool> reached(size(), false);
+        std::vector<uint32_t> open = roots_;
+        for (uint32_t root : roots_) {
+            toWorld_[root] = glm::dmat4(1);
+        }
+        while (!open.empty()) {
+            const uint32_t index = open.back();
+            open.pop_back();
+            reached[index] = true;
+            const JsonNode node = nodes_[index];
+            toWorld_[index] = toWorld_[index] * localTransform(node);
+            if (!isFinite(toWorld_[index])) {
+                node.fail("its transform, with those of its parents, is not finite");
+            }
+            for (uint32_t child : children_[index]) {
+                toWorld_[child] = toWorld_[index];
+                open.push_back(child);
+            }
+        }
+        for (uint32_t i = 0; i < size(); ++i) {
+            if (!reached[i]) {
+                nodes_[i].fail("is its own ancestor");
+            }
+        }
+    }
+
+    JsonNode nodes_;
+    std::vector<std::vector<uint32_t>> children_;
+    std::vector<glm::dmat4> toWorld_;
+    std::vector<uint32_t> roots_;
+};
+
+/// The root nodes of the scene to render.
+std::vector<uint32_t> rootsOfScene(const JsonNode& root, const NodeTree& tree) {
+    const JsonNode scenes = root["scenes"];
+    const JsonNode chosen = root["scene"];
+    if (!chosen && scenes.size() == 0) {
+        return tree.roots();
+    }
+    const JsonNode list = scenes[chosen ? chosen.index(scenes.size(), "/scenes") : 0]["nodes"];
+    std::vector<uint32_t> roots;
+    for (size_t i = 0; i < list.size(); ++i) {
+        roots.push_back(list[i].index(tree.size(), "/nodes"));
+    }
+    return roots;
+}
+
+class NodeLoader {
+public:
+    NodeLoader(LoadContext& load, Meshes& meshes)
+        : load_(load),
+          meshes_(meshes),
+          tree_(load.file.root()),
+          cameras_(parseCameras(load.file.root())),
+          lights_(parseLights(load.file.root())) {}
+
+    void run() {
+        std::vector<bool> visited(tree_.size(), false);
+        std::vector<uint32_t> open = rootsOfScene(load_.file.root(), tree_);
+        std::reverse(open.begin(), open.end());
+        while (!open.empty()) {
+            const uint32_t index = open.back();
+            open.pop_back();
+            if (visited[index]) {
+                continue;
+            }
+            visited[index] = true;
+            if (!tree_.node(index)["extensions"]["KHR_node_visibility"]["visible"].booleanOr(true)) {
+                continue;
+            }
+            visit(index);
+            const auto& children = tree_.children(index);
+            open.insert(open.end(), children.rbegin(), children.rend());
+        }
+    }
+
+private:
+    void visit(uint32_t index) {
+        const JsonNode node = tree_.node(index);
+        const std::string name = node["name"].textOr(fmt::format("nodes/{}", index));
+        const glm::dmat4& toWorld = tree_.toWorld(index);
+        if (const JsonNode mesh = node["mesh"]) {
+            addInstances(node, mesh.index(meshes_.count(), "/meshes"), toWorld, name);
+        }
+        if (const JsonNode camera = node["camera"]) {
+            Camera placed = cameras_[camera.index(cameras_.size(), "/cameras")];
+            placed.node = name;
+            placed.name = placed.name.empty() ? name : placed.name;
+            placed.toWorld = withoutScale(toWorld);
+            load_.scene.cameras.push_back(placed);
+        }
+        if (const JsonNode light = node["extensions"]["KHR_lights_punctual"]["light"]) {
+            addLight(lights_[light.index(lights_.size(), "/extensions/KHR_lights_punctual/lights")], toWorld,
+                     name);
+        }
+    }
+
+    void addLight(PunctualLight light, const glm::dmat4& toWorld, const std::string& node) {
+        light.name = light.name.empty() ? node : light.name;
+        light.position = glm::dvec3(toWorld[3]);
+        light.direction = -glm::dvec3(withoutScale(toWorld)[2]);
+        load_.scene.lights.push_back(light);
+    }
+
+    void addInstances(const JsonNode& node, uint32_t mesh, const glm::dmat4& toWorld,
+                      const std::string& name) {
+        if (node["skin"]) {
+            load_.warn("skins", node, "rendered in its bind pose");
+        }
+        const std::vector<uint32_t>& parts = meshes_.load(mesh, numbersOf(node["weights"]));
+        const JsonNode instancing = node["extensions"]["EXT_mesh_gpu_instancing"];
+        std::vector<glm::dmat4> transforms{glm::dmat4(1)};
+        if (instancing) {
+            transforms = instanceTransforms(instancing);
+        }
+        if (load_.scene.instances.size() + transforms.size() * parts.size() > kMaxInstances) {
+            node.fail(fmt::format("with its instances the scene has more than {}", kMaxInstances));
+        }
+        for (const glm::dmat4& transform : transforms) {
+            for (uint32_t part : parts) {
+                load_.scene.instances.push_back({part, instancing ? toWorld * transform : toWorld, name});
+                if (!isFinite(load_.scene.instances.back().toWorld)) {
+                    instancing.fail("an instance's transform is not finite");
+                }
+            }
+        }
+    }
+
+    std::vector<glm::dmat4> instanceTransforms(const JsonNode& instancing) {
+        const JsonNode attributes = instancing["attributes"];
+        size_t count = 0;
+        const auto find = [&](const char* name) -> uint32_t {
+            const JsonNode attribute = attributes[name];
+            if (!attribute) {
+                return kNone;
+            }
+            const uint32_t accessor = attribute.index(load_.accessors.count(), "/accessors");
+            const size_t length = load_.accessors[accessor].count;
+            if (length > kMaxInstances || (count != 0 && count != length)) {
+                attribute.fail(fmt::format("has {} elements, must have as many as the others and at most {}",
+                                           length, kMaxInstances));
+            }
+            count = length;
+            return accessor;
+        };
+        const uint32_t t = find("TRANSLATION"), r = find("ROTATION"), s = find("SCALE");
+        const auto translations = t == kNone ? std::vector(count, glm::vec3(0)) : load_.accessors.vec3s(t);
+        const auto rotations =
+            r == kNone ? std::vector(count, glm::vec4(0, 0, 0, 1)) : load_.accessors.vec4s(r);
+        const auto scales = s == kNone ? std::vector(count, glm::vec3(1)) : load_.accessors.vec3s(s);
+        std::vector<glm::dmat4> transforms;
+        transforms.reserve(count);
+        for (size_t i = 0; i < count; ++i) {
+            if (!(glm::length(rotations[i]) > 0)) {
+                attributes["ROTATION"].fail(fmt::format("element {} is not a unit quaternion", i));
+            }
+            transforms.push_back(composeTransform(translations[i], rotations[i], scales[i]));
+        }
+        return transforms;
+    }
+
+    LoadContext& load_;
+    Meshes& meshes_;
+    NodeTree tree_;
+    std::vector<Camera> cameras_;
+    std::vector<PunctualLight> lights_;
+};
+
+}  // namespace
+
+void loadNodes(LoadContext& load, Meshes& meshes) {
+    NodeLoader(load, meshes).run();
+}
+
+}  // namespace tilefarm
