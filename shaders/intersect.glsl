@@ -39,6 +39,7 @@ struct Hit {
     float t;
     uint primitive;     // index of the triangle as given to buildBvh
     vec2 barycentrics;  // weights of corners 1 and 2; corner 0 has what remains
+    uint triangle;      // its first texel in bvhTriangles
 };
 
 // ---- Layout of worker/bvh/bvh.h
@@ -149,7 +150,7 @@ void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Hit hit) {
     if (inside && determinant != 0.0 && t > shear.tMin && nearer && primitive != ray.skipPrimitive) {
         vec2 barycentrics = edge.yz / determinant;
         if (!kBvhNonOpaque || (texelX.w & kBvhAskAccept) == 0u || acceptHit(primitive, barycentrics, ray.key))
-            hit = Hit(t, primitive, barycentrics);
+            hit = Hit(t, primitive, barycentrics, triangle);
     }
 }
 
@@ -160,7 +161,7 @@ void hitLeaf(uint leaf, Ray ray, ShearRay shear, inout Hit hit) {
 }
 
 bool closestHit(Ray ray, out Hit hit) {
-    hit = Hit(ray.tMax, kNoPrimitive, vec2(0));
+    hit = Hit(ray.tMax, kNoPrimitive, vec2(0), 0u);
     if (!isTraceable(ray)) return false;
     BoxRay box = makeBoxRay(ray);
     ShearRay shear = makeShearRay(ray);
@@ -214,7 +215,7 @@ bool anyHit(Ray ray) {
     if (!isTraceable(ray)) return false;
     BoxRay box = makeBoxRay(ray);
     ShearRay shear = makeShearRay(ray);
-    Hit hit = Hit(ray.tMax, kNoPrimitive, vec2(0));
+    Hit hit = Hit(ray.tMax, kNoPrimitive, vec2(0), 0u);
     uint waiting[kBvhStackSize];
     uint top = 0u;
     uint current = kBvhRoot;

@@ -1,0 +1,45 @@
+// Running mean and sum of squared deviations of a pixel (Welford 1962), four texels per pixel in the
+// layout of PassPixel (shared/film/film.h).
+#ifndef FILM_GLSL
+#define FILM_GLSL
+
+struct PathSample {
+    vec3 radiance;
+    vec3 albedo;
+    vec3 normal;
+    float depth;
+    float alpha;
+};
+
+struct FilmPixel {
+    vec4 mean;    // rgb, count of finite samples
+    vec4 m2;      // rgb, luminance
+    vec4 albedo;  // rgb, depth
+    vec4 normal;  // xyz, alpha
+};
+
+FilmPixel emptyPixel() { return FilmPixel(vec4(0), vec4(0), vec4(0), vec4(0)); }
+
+FilmPixel loadPixel(uint at) {
+    return FilmPixel(film[4u * at], film[4u * at + 1u], film[4u * at + 2u], film[4u * at + 3u]);
+}
+
+void storePixel(uint at, FilmPixel pixel) {
+    film[4u * at] = pixel.mean;
+    film[4u * at + 1u] = pixel.m2;
+    film[4u * at + 2u] = pixel.albedo;
+    film[4u * at + 3u] = pixel.normal;
+}
+
+void addSample(inout FilmPixel pixel, PathSample s) {
+    float n = pixel.mean.w + 1.0;
+    vec3 delta = s.radiance - pixel.mean.rgb;
+    vec3 mean = pixel.mean.rgb + delta / n;
+    vec3 after = s.radiance - mean;
+    pixel.mean = vec4(mean, n);
+    pixel.m2 += vec4(delta * after, luminance(delta) * luminance(after));
+    pixel.albedo += (vec4(s.albedo, s.depth) - pixel.albedo) / n;
+    pixel.normal += (vec4(s.normal, s.alpha) - pixel.normal) / n;
+}
+
+#endif

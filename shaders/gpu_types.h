@@ -1,0 +1,166 @@
+// What host and shaders agree on: bindings, feature bits, record layouts. Included by both, so a
+// change on one side cannot miss the other.
+#ifndef TILEFARM_GPU_TYPES_H
+#define TILEFARM_GPU_TYPES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <glm/glm.hpp>
+namespace tilefarm::gpu {
+using uint = uint32_t;
+using vec2 = glm::vec2;
+using vec3 = glm::vec3;
+using vec4 = glm::vec4;
+using uvec2 = glm::uvec2;
+using uvec4 = glm::uvec4;
+#define GPU_CONSTANT inline constexpr uint32_t
+#else
+#define GPU_CONSTANT const uint
+#endif
+
+// Bindings of path_trace.comp, in order. T: uniform texel buffer, S: storage buffer.
+GPU_CONSTANT BINDING_NODES = 0;            // T rgba32ui BVH nodes, worker/bvh/bvh.h
+GPU_CONSTANT BINDING_TRIANGLES = 1;        // T rgba32ui corners in leaf order
+GPU_CONSTANT BINDING_PRIMITIVES = 2;       // T rgba32ui PrimitiveRecord
+GPU_CONSTANT BINDING_VERTICES = 3;         // T rgba32ui VERTEX_TEXELS per vertex
+GPU_CONSTANT BINDING_MATERIALS = 4;        // T rgba32ui MaterialRecord
+GPU_CONSTANT BINDING_TEXTURES = 5;         // T rgba32ui TextureRecord
+GPU_CONSTANT BINDING_TEXELS8 = 6;          // T rgba8unorm
+GPU_CONSTANT BINDING_TEXELS32 = 7;         // T rgba32f  float textures, then nothing else
+GPU_CONSTANT BINDING_LIGHTS = 8;           // T rgba32ui LightRecord
+GPU_CONSTANT BINDING_LIGHT_ALIAS = 9;      // T rgba32ui AliasRecord per light
+GPU_CONSTANT BINDING_PRIMITIVE_LIGHTS = 10;// T rgba32ui four light indices per texel, by primitive
+GPU_CONSTANT BINDING_ENVIRONMENT = 11;     // T rgba32f  radiance, rows from the top
+GPU_CONSTANT BINDING_ENVIRONMENT_ALIAS = 12;// T rgba32ui AliasRecord per texel
+GPU_CONSTANT BINDING_ALBEDO_TABLES = 13;   // T rgba32f  see bsdf/albedo_table.glsl
+GPU_CONSTANT BINDING_PARAMETERS = 14;      // S FrameParameters
+GPU_CONSTANT BINDING_TILES = 15;           // S uvec4 per tile: x, y, width, height
+GPU_CONSTANT BINDING_FILM = 16;            // S four vec4 per pixel, PassPixel of shared/film/film.h
+GPU_CONSTANT BINDING_COUNTERS = 17;        // S COUNTER_*
+
+// Effects. Each bit compiles its code in; a scene that does not call for it pays nothing.
+GPU_CONSTANT FEATURE_TEXTURES = 1u << 0;           // any texture but normal maps
+GPU_CONSTANT FEATURE_NORMAL_MAPS = 1u << 1;
+GPU_CONSTANT FEATURE_VERTEX_COLORS = 1u << 2;
+GPU_CONSTANT FEATURE_CUTOUT = 1u << 3;             // alpha mask or blend
+GPU_CONSTANT FEATURE_SPECULAR = 1u << 4;           // rough reflection: metals, dielectrics with ior ≠ 1
+GPU_CONSTANT FEATURE_MIRROR = 1u << 5;             // α below ALPHA_DELTA: reflection and refraction as delta lobes
+GPU_CONSTANT FEATURE_TRANSMISSION = 1u << 6;
+GPU_CONSTANT FEATURE_ATTENUATION = 1u << 7;        // Beer–Lambert inside transmissive solids
+GPU_CONSTANT FEATURE_EMISSIVE_TRIANGLES = 1u << 8;
+GPU_CONSTANT FEATURE_PUNCTUAL_LIGHTS = 1u << 9;
+GPU_CONSTANT FEATURE_ENVIRONMENT = 1u << 10;
+GPU_CONSTANT FEATURE_UNLIT = 1u << 11;
+GPU_CONSTANT FEATURE_ORTHOGRAPHIC = 1u << 12;
+GPU_CONSTANT FEATURE_FLOAT_TEXTURES = 1u << 13;    // 16-bit and HDR textures
+GPU_CONSTANT FEATURE_TEXTURE_TRANSFORMS = 1u << 14;
+GPU_CONSTANT FEATURE_SECOND_UV_SET = 1u << 15;
+GPU_CONSTANT FEATURE_NEAREST_FILTER = 1u << 16;
+GPU_CONSTANT FEATURE_COUNT = 17;
+
+// Specialization constants of path_trace.comp.
+GPU_CONSTANT SPEC_FEATURES = 0;
+GPU_CONSTANT SPEC_VERTEX_TEXELS = 1;
+GPU_CONSTANT SPEC_STACK_SIZE = 2;
+GPU_CONSTANT SPEC_COUNT = 3;
+
+// Roughness α = perceptual roughness²; below this a lobe is a mirror (relMSE against α → 0 under 1e-3).
+#define ALPHA_DELTA 1e-3
+
+GPU_CONSTANT NO_INDEX = 0xffffffffu;
+
+// Vertex texels: 0 normal.xyz, u0 | 1 v0, u1, v1, – | 2 tangent.xyz, handedness | 3 colour rgba.
+// A scene stores the shortest prefix that its effects read (SPEC_VERTEX_TEXELS).
+GPU_CONSTANT PRIMITIVE_TEXELS = 1;  // corner vertices i0, i1, i2, material
+GPU_CONSTANT MATERIAL_TEXELS = 7;
+GPU_CONSTANT TEXTURE_TEXELS = 3;
+GPU_CONSTANT LIGHT_TEXELS = 4;
+GPU_CONSTANT ALBEDO_TABLE_SIZE = 32;  // per side; a table has one more row, the averages
+
+GPU_CONSTANT MATERIAL_DOUBLE_SIDED = 1u << 0;
+GPU_CONSTANT MATERIAL_UNLIT = 1u << 1;
+GPU_CONSTANT MATERIAL_MASK = 1u << 2;
+GPU_CONSTANT MATERIAL_BLEND = 1u << 3;
+GPU_CONSTANT MATERIAL_THIN = 1u << 4;      // transmission without refraction
+GPU_CONSTANT MATERIAL_EMISSIVE = 1u << 5;
+
+GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
+GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
+GPU_CONSTANT TEXTURE_LINEAR_FILTER = 1u << 4;
+GPU_CONSTANT TEXTURE_SRGB = 1u << 5;
+GPU_CONSTANT TEXTURE_UV1 = 1u << 6;
+GPU_CONSTANT TEXTURE_FLOAT = 1u << 7;
+GPU_CONSTANT TEXTURE_TRANSFORM = 1u << 8;
+
+GPU_CONSTANT LIGHT_TRIANGLE = 0;
+GPU_CONSTANT LIGHT_POINT = 1;
+GPU_CONSTANT LIGHT_SPOT = 2;
+GPU_CONSTANT LIGHT_DIRECTIONAL = 3;
+GPU_CONSTANT LIGHT_ENVIRONMENT = 4;
+
+// Words of the counter buffer, zeroed before every dispatch.
+GPU_CONSTANT COUNTER_RAYS = 0;
+GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 1;
+GPU_CONSTANT COUNTER_COUNT = 4;
+
+// Constant for all passes of a frame. World space is the re-centred one of worker/scene/world.h.
+struct FrameParameters {
+    vec4 cameraOrigin;    // xyz
+    vec4 cameraForward;   // perspective: unit view direction
+    vec4 cameraRight;     // half width of the image plane at distance 1 (perspective) or in metres
+    vec4 cameraUp;        // half height, likewise
+    uvec4 image;          // width, height, seed, frame
+    uvec4 path;           // max bounces, roulette start, light count, environment light or NO_INDEX
+    uvec4 environment;    // width, height, 0, 0
+    vec4 environmentPdf;  // x: 1 / sum of texel weights, y: w·h / (2π²)
+};
+
+// A dispatch renders `sampleCount` samples of every pixel of its tiles.
+struct PassConstants {
+    uint firstSample;
+    uint sampleCount;
+    uint passFirstSample;  // where the pass began; the film is cleared there and continued after it
+    uint tileSize;         // film pixels are tile after tile, tileSize² each
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(FrameParameters) == 128);
+static_assert(sizeof(PassConstants) == 16);
+
+// One per material; texel k holds bytes 16k … 16k + 15.
+struct MaterialRecord {
+    vec3 baseColor; float alpha;
+    vec3 emission; float alphaCutoff;
+    float metallic, roughness, normalScale, ior;
+    float transmission; uint flags; uint albedoTable; float unused0;
+    vec3 absorption; float unused1;  // σ_a, 1/m
+    uint baseColorTexture, metallicRoughnessTexture, normalTexture, emissionTexture;
+    uint transmissionTexture; uint unused2[3];
+};
+static_assert(sizeof(MaterialRecord) == 16 * MATERIAL_TEXELS);
+
+struct TextureRecord {
+    uint firstTexel, width, height, flags;
+    vec2 du, dv;  // uv' = du * u + dv * v + offset
+    vec2 offset; uint unused[2];
+};
+static_assert(sizeof(TextureRecord) == 16 * TEXTURE_TEXELS);
+
+// LIGHT_TRIANGLE: corner p, edges a and b, radiance. Punctual: position p, direction a, intensity
+// (W/sr; W/m² for directional), b = (cos inner, cos outer, range). LIGHT_ENVIRONMENT: the rest unused.
+struct LightRecord {
+    uint type; uint primitive; float pmf; float area;
+    vec3 p; float red;
+    vec3 a; float green;
+    vec3 b; float blue;
+};
+static_assert(sizeof(LightRecord) == 16 * LIGHT_TEXELS);
+
+// Walker's alias method: keep the index when 32 random bits are below `threshold`, else take `alias`.
+struct AliasRecord {
+    uint threshold, alias; float pmf; uint unused;
+};
+}  // namespace tilefarm::gpu
+#endif
+#undef GPU_CONSTANT
+#endif

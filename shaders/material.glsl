@@ -1,0 +1,71 @@
+// Material parameters at a surface point: factors times textures times vertex colours.
+#ifndef MATERIAL_GLSL
+#define MATERIAL_GLSL
+
+#include "material_point.glsl"
+
+vec4 materialTexel(uint material, uint texel) {
+    return uintBitsToFloat(LOAD(materialTexels, material * MATERIAL_TEXELS + texel));
+}
+
+vec4 baseColorAndAlpha(uint material, uint baseColorTexture, vec2 uv0, vec2 uv1, vec4 color) {
+    vec4 base = materialTexel(material, 0u) * color;
+    if (has(FEATURE_TEXTURES) && baseColorTexture != NO_INDEX) base *= sampleTexture(baseColorTexture, uv0, uv1);
+    return base;
+}
+
+vec3 emissionAt(uint material, uint emissionTexture, vec2 uv0, vec2 uv1) {
+    vec3 emission = materialTexel(material, 1u).rgb;
+    if (has(FEATURE_TEXTURES) && emissionTexture != NO_INDEX) emission *= sampleTexture(emissionTexture, uv0, uv1).rgb;
+    return emission;
+}
+
+MaterialPoint materialAt(Surface s) {
+    MaterialPoint m;
+    uvec4 textures = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u);
+    vec4 surface = materialTexel(s.material, 2u);
+    uvec4 more = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u);
+
+    m.baseColor = baseColorAndAlpha(s.material, textures.x, s.uv0, s.uv1, s.color).rgb;
+    m.metallic = surface.x;
+    float roughness = surface.y;
+    if (has(FEATURE_TEXTURES) && textures.y != NO_INDEX) {
+        vec4 metallicRoughness = sampleTexture(textures.y, s.uv0, s.uv1);
+        m.metallic *= metallicRoughness.b;
+        roughness *= metallicRoughness.g;
+    }
+    m.alpha = roughness * roughness;
+    m.ior = surface.w;
+    m.flags = more.y;
+    m.albedoTable = more.z;
+    m.emission = vec3(0);
+    if ((m.flags & MATERIAL_EMISSIVE) != 0u) m.emission = emissionAt(s.material, textures.w, s.uv0, s.uv1);
+    m.transmission = 0.0;
+    m.absorption = vec3(0);
+    if (has(FEATURE_TRANSMISSION)) {
+        m.transmission = uintBitsToFloat(more.x);
+        uint texture_ = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 6u).x;
+        if (has(FEATURE_TEXTURES) && m.transmission > 0.0 && texture_ != NO_INDEX)
+            m.transmission *= sampleTexture(texture_, s.uv0, s.uv1).r;
+        if (has(FEATURE_ATTENUATION)) m.absorption = materialTexel(s.material, 4u).rgb;
+    }
+    return m;
+}
+
+// Whether a ray stops at a cut-out surface. Blended surfaces stop a share α of the rays; the number
+// that decides depends on the ray's key and the primitive alone, so traversal order does not matter.
+bool acceptHit(uint primitive, vec2 barycentrics, uint key) {
+    VertexIndices v = loadPrimitive(primitive);
+    uint flags = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 3u).y;
+    vec3 b = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
+    vec2 uv0 = vec2(0), uv1 = vec2(0);
+    if (VERTEX_TEXELS > 1u) loadTexCoords(v, b, interpolateTexel(v, b, 0u).w, uv0, uv1);
+    uint baseColorTexture = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 5u).x;
+    float alpha = baseColorAndAlpha(v.material, baseColorTexture, uv0, uv1, loadColor(v, b)).a;
+    if ((flags & MATERIAL_MASK) != 0u) return alpha >= materialTexel(v.material, 1u).a;
+    if ((flags & MATERIAL_BLEND) == 0u) return true;
+    uint bits = pcg4d(uvec4(key, primitive, 0x63757475u, 0x6f757421u)).x;
+    return unitFloat(bits) < alpha;
+}
+
+#endif

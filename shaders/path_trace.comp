@@ -1,0 +1,193 @@
+#version 460
+// The path tracer: one invocation per pixel, several samples per dispatch. Paths start at the camera;
+// at each surface one light is sampled (next event estimation) and the BSDF is sampled, both weighted
+// by the power heuristic. Without bias but for the bounce limit that the job sets.
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+#include "rng.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform PassBlock { PassConstants pass; };
+layout(std430, binding = BINDING_TILES) readonly buffer Tiles { uvec4 tiles[]; };
+layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
+
+uint rayCount = 0u;
+
+bool acceptHit(uint primitive, vec2 barycentrics, uint key);
+#include "intersect.glsl"
+#include "texture.glsl"
+#include "surface.glsl"
+#include "material.glsl"
+
+#include "bsdf/bsdf.glsl"
+#include "lights/light.glsl"
+#include "camera.glsl"
+#include "film.glsl"
+
+// What decides at cut-out surfaces along the rays of a bounce.
+uint cutoutKey(SampleKey key, uint bounce) {
+    return has(FEATURE_CUTOUT) ? randomBits(key, bounceDimension(bounce, DIMENSION_CUTOUT)).x : 0u;
+}
+
+bool occluded(LightSample l, uint primitive, uint key) {
+    Ray ray;
+    ray.origin = l.origin;
+    ray.tMin = 0.0;
+    ray.direction = l.infinite ? l.wi : l.target - l.origin;
+    ray.tMax = l.infinite ? INFINITY : 1.0;
+    ray.skipPrimitive = primitive;
+    ray.key = key;
+    rayCount++;
+    return anyHit(ray);
+}
+
+// Light that arrives straight from a sampled light, weighted against the BSDF's finding it.
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
+    LightSample l;
+    if (!sampleLight(key, bounce, s, l)) return vec3(0);
+    vec3 wi = l.wi * s.frame;
+    // Light must not leak through the surface that the shading normal only pretends to be.
+    if (dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
+    float pdf;
+    vec3 f = bsdfEval(bsdf, wo, wi, pdf);
+    if (!(maxComponent(f) > 0.0)) return vec3(0);
+    vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (powerHeuristic(l.pdf, pdf) / l.pdf) : f * l.radiance;
+    return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
+}
+
+struct PathState {
+    Ray ray;
+    vec3 throughput;
+    vec3 radiance;
+    vec3 absorption;    // of the medium the ray is in
+    float pdf;          // of the ray's direction; what lights weigh against
+    float etaScale;     // squared refraction compressions so far, kept out of Russian roulette
+    bool delta;         // no light sampling could have found this direction
+};
+
+void addEnvironment(inout PathState path) {
+    if (!has(FEATURE_ENVIRONMENT)) return;
+    vec4 environment = environmentAlong(path.ray.direction);
+    float weight = path.delta ? 1.0 : powerHeuristic(path.pdf, environment.a * environmentPmf());
+    path.radiance += path.throughput * environment.rgb * weight;
+}
+
+void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
+    if (!has(FEATURE_EMISSIVE_TRIANGLES) || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
+    if (!emitsTowards(m.flags, s.frontFace)) return;
+    float cosine = abs(dot(s.geometricNormal, path.ray.direction));
+    float weight = path.delta ? 1.0 : powerHeuristic(path.pdf, trianglePdf(s.primitive, t * t, cosine));
+    path.radiance += path.throughput * m.emission * weight;
+}
+
+// Ends dim paths at random and makes up for it in those that survive. False: the path ends.
+bool russianRoulette(inout PathState path, float u) {
+    float survival = min(maxComponent(path.throughput) * path.etaScale, 0.95);
+    if (u >= survival) return false;
+    path.throughput /= survival;
+    return true;
+}
+
+// Scatters the path at a surface. False: the path ends.
+bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
+    BsdfSample b;
+    if (!bsdfSample(bsdf, wo, u.xyz, b)) return false;
+    vec3 direction = normalize(s.frame * b.wi);
+    if (dot(direction, s.geometricNormal) * b.wi.z <= 0.0) return false;
+    path.throughput *= b.weight;
+    path.pdf = b.pdf;
+    path.delta = b.delta;
+    if (has(FEATURE_TRANSMISSION) && b.wi.z < 0.0 && !bsdf.thin) {
+        path.etaScale *= bsdf.eta * bsdf.eta;
+        if (has(FEATURE_ATTENUATION)) path.absorption = s.frontFace ? m.absorption : vec3(0);
+    }
+    path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
+    path.ray.direction = direction;
+    path.ray.skipPrimitive = s.primitive;
+    return maxComponent(path.throughput) > 0.0;
+}
+
+PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
+    PathSample result = PathSample(vec3(0), vec3(0), vec3(0), 0.0, 0.0);
+    PathState path;
+    path.ray = Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, 0u);
+    path.throughput = vec3(1);
+    path.radiance = vec3(0);
+    path.absorption = vec3(0);
+    path.pdf = 0.0;
+    path.etaScale = 1.0;
+    path.delta = true;
+
+    for (uint bounce = 0u;; bounce++) {
+        Hit hit;
+        path.ray.key = cutoutKey(key, bounce);
+        rayCount++;
+        if (!closestHit(path.ray, hit)) {
+            addEnvironment(path);
+            break;
+        }
+        if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);
+        vec3 worldWo = -path.ray.direction;
+        Surface s = surfaceAt(hit, worldWo);
+        MaterialPoint m = materialAt(s);
+        if (bounce == 0u) {
+            result.albedo = m.baseColor;
+            result.normal = s.frame[2];
+            result.depth = hit.t;
+            result.alpha = 1.0;
+        }
+        if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) {
+            path.radiance += path.throughput * m.baseColor;
+            break;
+        }
+        addEmission(path, s, m, hit.t);
+        if (bounce >= parameters.path.x) break;
+
+        vec3 wo = worldWo * s.frame;
+        if (wo.z <= 0.0) break;
+        Bsdf bsdf = bsdfAt(m, wo, s.frontFace);
+        if (hasLights()) path.radiance += path.throughput * directLight(key, bounce, s, bsdf, wo);
+
+        uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_BSDF));
+        vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
+        if (!scatter(path, s, bsdf, m, wo, u)) break;
+        if (bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
+    }
+    result.radiance = path.radiance;
+    return result;
+}
+
+PathSample renderSample(uvec2 pixel, SampleKey key) {
+    vec2 jitter = unitFloat(randomBits(key, DIMENSION_PIXEL).xy);
+    vec3 origin, direction;
+    cameraRay(vec2(pixel) + jitter, origin, direction);
+    return tracePath(key, origin, direction);
+}
+
+void main() {
+    uvec2 inTile = gl_GlobalInvocationID.xy;
+    uvec4 tile = tiles[gl_WorkGroupID.z];
+    if (any(greaterThanEqual(inTile, tile.zw))) return;
+    uvec2 pixel = tile.xy + inTile;
+    uint at = gl_WorkGroupID.z * pass.tileSize * pass.tileSize + inTile.y * pass.tileSize + inTile.x;
+
+    FilmPixel result = emptyPixel();
+    if (pass.firstSample != pass.passFirstSample) result = loadPixel(at);
+    SampleKey key;
+    key.pixel = pixel.x | pixel.y << 16u;
+    key.stream = streamKey(parameters.image.z, parameters.image.w);
+    uint dropped = 0u;
+    for (uint i = 0u; i < pass.sampleCount; i++) {
+        key.index = pass.firstSample + i;
+        PathSample s = renderSample(pixel, key);
+        // A sample that is not finite leaves with its weight and is counted, never hidden.
+        if (isFinite(s.radiance)) addSample(result, s);
+        else dropped++;
+    }
+    storePixel(at, result);
+    atomicAdd(counters[COUNTER_RAYS], rayCount);
+    if (dropped != 0u) atomicAdd(counters[COUNTER_DROPPED_SAMPLES], dropped);
+}

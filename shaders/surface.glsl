@@ -1,0 +1,140 @@
+// A hit turned into a surface point: position with its error bound, normals, texture coordinates.
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+
+struct Surface {
+    vec3 position;
+    vec3 positionError;  // bound on |computed − exact| per coordinate
+    vec3 geometricNormal;  // on the side of wo
+    mat3 frame;            // shading frame: tangent, bitangent, normal; the normal on the side of wo
+    vec2 uv0, uv1;
+    vec4 color;
+    uint primitive;
+    uint material;
+    bool frontFace;  // wo sees the side that the winding faces
+};
+
+const float MACHINE_EPSILON = 5.9604645e-8;  // 2^-24
+// γ(n) bounds the relative error of n roundings (Higham 2002; PBRT 4th ed., 6.8.1).
+float gammaBound(float n) { return n * MACHINE_EPSILON / (1.0 - n * MACHINE_EPSILON); }
+
+// The next float away from zero on either side, so that rounding the offset cannot undo it.
+float nextAwayFrom(float value, float direction) {
+    if (direction == 0.0) return value;
+    int bits = floatBitsToInt(value);
+    if (value == 0.0) return intBitsToFloat(direction > 0.0 ? 1 : int(0x80000001u));
+    return intBitsToFloat(bits + ((direction > 0.0) == (value > 0.0) ? 1 : -1));
+}
+
+// Where a ray that leaves `position` towards `direction` starts: outside the box of the point's
+// error, on the direction's side (PBRT 4th ed., 6.8.6).
+vec3 offsetOrigin(vec3 position, vec3 error, vec3 normal, vec3 direction) {
+    float distance = dot(abs(normal), error);
+    vec3 offset = dot(direction, normal) < 0.0 ? -distance * normal : distance * normal;
+    vec3 origin = position + offset;
+    return vec3(nextAwayFrom(origin.x, offset.x), nextAwayFrom(origin.y, offset.y), nextAwayFrom(origin.z, offset.z));
+}
+
+// Corners of the triangle that was hit: a texel holds one coordinate of all three.
+void loadCorners(Hit hit, out vec3 corner[3]) {
+    vec3 x = LOAD_FLOATS(bvhTriangles, hit.triangle).xyz;
+    vec3 y = LOAD_FLOATS(bvhTriangles, hit.triangle + 1u).xyz;
+    vec3 z = LOAD_FLOATS(bvhTriangles, hit.triangle + 2u).xyz;
+    for (int i = 0; i < 3; i++) corner[i] = vec3(x[i], y[i], z[i]);
+}
+
+struct VertexIndices {
+    uint a, b, c, material;
+};
+
+VertexIndices loadPrimitive(uint primitive) {
+    uvec4 t = LOAD(primitiveTexels, primitive * PRIMITIVE_TEXELS);
+    return VertexIndices(t.x, t.y, t.z, t.w);
+}
+
+vec4 vertexTexel(uint vertex, uint texel) { return uintBitsToFloat(LOAD(vertexTexels, vertex * VERTEX_TEXELS + texel)); }
+
+vec4 interpolateTexel(VertexIndices v, vec3 b, uint texel) {
+    return b.x * vertexTexel(v.a, texel) + b.y * vertexTexel(v.b, texel) + b.z * vertexTexel(v.c, texel);
+}
+
+void loadTexCoords(VertexIndices v, vec3 b, float u0, out vec2 uv0, out vec2 uv1) {
+    uv0 = uv1 = vec2(0);
+    if (VERTEX_TEXELS > 1u) {
+        vec4 t = interpolateTexel(v, b, 1u);
+        uv0 = vec2(u0, t.x);
+        uv1 = t.yz;
+    }
+}
+
+vec4 loadColor(VertexIndices v, vec3 b) {
+    return has(FEATURE_VERTEX_COLORS) ? interpolateTexel(v, b, 3u) : vec4(1);
+}
+
+// Bends a shading normal just as far as the mirror image of wo needs to stay above the surface, so
+// that neither steep normal maps nor coarse meshes give black bands (Keller et al. 2017, A.3).
+vec3 consistentNormal(vec3 ns, vec3 ng, vec3 wo) {
+    vec3 r = 2.0 * dot(ns, wo) * ns - wo;
+    float above = dot(r, ng);
+    float least = min(0.9 * dot(wo, ng), 0.01);
+    if (above >= least) return ns;
+    vec3 lifted = normalize(r + (least - above) * ng);
+    vec3 bent = wo + lifted;
+    float squared = dot(bent, bent);
+    return squared > 0.0 ? bent * inversesqrt(squared) : ng;
+}
+
+vec3 mappedNormal(VertexIndices v, vec3 b, vec3 n, uint normalTexture, float scale, vec2 uv0, vec2 uv1) {
+    vec4 tangent = interpolateTexel(v, b, 2u);
+    float squared = dot(tangent.xyz, tangent.xyz);
+    if (!(squared > 0.0)) return n;
+    vec3 t = sampleTexture(normalTexture, uv0, uv1).xyz * 2.0 - 1.0;
+    t.xy *= scale;
+    float handedness = vertexTexel(v.a, 2u).w;
+    // MikkTSpace: neither axis is re-orthogonalised; only the result is normalised.
+    vec3 bitangent = cross(n, tangent.xyz) * (handedness < 0.0 ? -1.0 : 1.0);
+    vec3 mapped = t.x * tangent.xyz + t.y * bitangent + t.z * n;
+    float length2 = dot(mapped, mapped);
+    return length2 > 0.0 ? mapped * inversesqrt(length2) : n;
+}
+
+Surface surfaceAt(Hit hit, vec3 wo) {
+    Surface s;
+    vec3 corner[3];
+    loadCorners(hit, corner);
+    vec3 b = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
+    precise vec3 position = b.x * corner[0] + b.y * corner[1] + b.z * corner[2];
+    s.position = position;
+    s.positionError = gammaBound(7.0) * (abs(b.x * corner[0]) + abs(b.y * corner[1]) + abs(b.z * corner[2]));
+
+    // Slivers and tiny triangles: scaling the edges keeps the cross product from underflowing.
+    vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    e1 /= max(maxComponent(abs(e1)), 1e-37);
+    e2 /= max(maxComponent(abs(e2)), 1e-37);
+    vec3 ng = normalize(cross(e1, e2));
+    s.frontFace = dot(ng, wo) >= 0.0;
+    s.geometricNormal = s.frontFace ? ng : -ng;
+
+    s.primitive = hit.primitive;
+    VertexIndices v = loadPrimitive(hit.primitive);
+    s.material = v.material;
+    vec4 first = interpolateTexel(v, b, 0u);
+    float squared = dot(first.xyz, first.xyz);
+    vec3 ns = squared > 0.0 ? first.xyz * inversesqrt(squared) : ng;
+    loadTexCoords(v, b, first.w, s.uv0, s.uv1);
+    s.color = loadColor(v, b);
+
+    if (has(FEATURE_NORMAL_MAPS)) {
+        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
+        if (normalTexture != NO_INDEX) {
+            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 2u).z);
+            ns = mappedNormal(v, b, ns, normalTexture, scale, s.uv0, s.uv1);
+        }
+    }
+    // The winding decides the side; attribute normals may disagree with it and follow.
+    if (dot(ns, s.geometricNormal) < 0.0) ns = -ns;
+    s.frame = frameAround(consistentNormal(ns, s.geometricNormal, wo));
+    return s;
+}
+
+#endif

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "shaders/gpu_types.h"
+#include "shared/job/job.h"
+#include "worker/scene/scene.h"
+
+namespace tilefarm {
+
+/// Fills the camera of a frame. `camera` is in the space of the geometry. The vertical field of view
+/// (or ymag) is kept and the image's own aspect decides the width.
+void setCamera(gpu::FrameParameters& parameters, const Camera& camera, const ImageSpec& image);
+
+}  // namespace tilefarm

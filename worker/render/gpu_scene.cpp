@@ -1,0 +1,111 @@
+#include "worker/render/gpu_scene.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "worker/render/environment_packer.h"
+#include "worker/render/light_packer.h"
+#include "worker/render/material_packer.h"
+#include "worker/render/vertex_packer.h"
+
+namespace tilefarm {
+namespace {
+
+using gpu::TexelFormat;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<bool> usedMaterials(const Scene& scene, const WorldGeometry& world) {
+    std::vector<bool> used(scene.materials.size());
+    for (const WorldInstance& instance : world.instances)
+        if (instance.triangleCount > 0) used[instance.material] = true;
+    return used;
+}
+
+// Four indices to a texel.
+std::vector<uint32_t> padded(std::vector<uint32_t> indices) {
+    indices.resize((indices.size() + 3) / 4 * 4, gpu::NO_INDEX);
+    return indices;
+}
+
+// Vertex data that no effect reads is not stored.
+uint32_t geometryFeatures(const WorldGeometry& world) {
+    return world.colors.empty() ? 0u : uint32_t{gpu::FEATURE_VERTEX_COLORS};
+}
+
+// Triangles where traversal has to ask whether the ray stops; empty where all are opaque.
+std::vector<uint8_t> nonOpaqueTriangles(const Scene& scene, const WorldGeometry& world) {
+    std::vector<uint8_t> result;
+    for (const WorldInstance& instance : world.instances) {
+        if (scene.materials[instance.material].alphaMode == AlphaMode::opaque) continue;
+        result.resize(world.triangleCount());
+        std::fill_n(result.begin() + instance.firstTriangle, instance.triangleCount, uint8_t{1});
+    }
+    return result;
+}
+
+class Uploader {
+public:
+    Uploader(const gpu::Device& device, std::vector<gpu::TexelBuffer>& buffers)
+        : device_(device), buffers_(buffers) {}
+
+    template <typename T>
+    void add(TexelFormat format, const std::vector<T>& values, const char* name) {
+        buffers_.emplace_back(device_, format, gpu::bytesOf(values), name);
+    }
+
+private:
+    const gpu::Device& device_;
+    std::vector<gpu::TexelBuffer>& buffers_;
+};
+
+}  // namespace
+
+GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
+                      uint32_t extraFeatures, PrepareTimes& times) {
+    const auto start = std::chrono::steady_clock::now();
+    const Bvh bvh = buildBvh(world.corners(), nonOpaqueTriangles(scene, world));
+    times.bvhSeconds = secondsSince(start);
+
+    TexturePacker textures(scene);
+    MaterialPacker materials(textures);
+    const std::vector<bool> used = usedMaterials(scene, world);
+    for (size_t i = 0; i < scene.materials.size(); ++i) materials.add(scene.materials[i], used[i]);
+    const PackedEnvironment environment = packEnvironment(scene.environment);
+    PackedLights lights = packLights(scene, world, environment.flux());
+
+    GpuScene result;
+    result.features =
+        materials.features | textures.features | lights.features | geometryFeatures(world) | extraFeatures;
+    result.vertexTexels = vertexTexelsFor(result.features);
+    result.triangles = world.triangleCount();
+    result.stackSize = bvhStackConstant(bvh);
+    result.lightCount = static_cast<uint32_t>(lights.records.size());
+    result.environmentLight = lights.environmentLight;
+    result.environmentWidth = environment.width;
+    result.environmentHeight = environment.height;
+    result.environmentWeightSum = environment.weightSum;
+
+    const auto upload = std::chrono::steady_clock::now();
+    Uploader to(device, result.buffers);
+    to.add(TexelFormat::rgba32ui, bvh.nodes, "BVH nodes");
+    to.add(TexelFormat::rgba32ui, bvh.triangles, "triangles");
+    to.add(TexelFormat::rgba32ui, packPrimitives(world), "primitives");
+    to.add(TexelFormat::rgba32ui, packVertices(world, result.vertexTexels), "vertices");
+    to.add(TexelFormat::rgba32ui, materials.records, "materials");
+    to.add(TexelFormat::rgba32ui, textures.records, "texture records");
+    to.add(TexelFormat::rgba8unorm, textures.texels8, "8-bit texels");
+    to.add(TexelFormat::rgba32f, textures.texels32, "float texels");
+    to.add(TexelFormat::rgba32ui, lights.records, "lights");
+    to.add(TexelFormat::rgba32ui, lights.alias, "light alias table");
+    to.add(TexelFormat::rgba32ui, padded(std::move(lights.primitiveLights)), "lights of primitives");
+    to.add(TexelFormat::rgba32f, environment.texels, "environment");
+    to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table");
+    to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
+    times.uploadSeconds = secondsSince(upload);
+    return result;
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "shaders/gpu_types.h"
+#include "worker/bvh/bvh.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/world.h"
+#include "worker/vk/buffer.h"
+
+namespace tilefarm {
+
+/// A scene on a device: the texel buffers that path_trace.comp binds first, in the order of BINDING_*.
+struct GpuScene {
+    std::vector<gpu::TexelBuffer> buffers;
+    uint32_t features = 0;
+    uint32_t vertexTexels = 1;
+    uint32_t stackSize = 0;  // SPEC_STACK_SIZE: entries that a traversal may have waiting
+    uint32_t lightCount = 0;
+    uint32_t environmentLight = gpu::NO_INDEX;
+    uint32_t environmentWidth = 0, environmentHeight = 0;
+    double environmentWeightSum = 0;
+    uint64_t triangles = 0;
+};
+
+/// Packs and uploads everything but the camera. `extraFeatures`: effects that camera and settings call for.
+GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
+                      uint32_t extraFeatures, PrepareTimes& times);
+
+}  // namespace tilefarm

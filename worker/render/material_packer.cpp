@@ -1,0 +1,108 @@
+#include "worker/render/material_packer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/render/albedo_table.h"
+
+namespace tilefarm {
+namespace {
+
+// exp(−kOpaque) is 0 in fp32, so a colour of zero transmits exactly nothing at its distance.
+constexpr double kOpaque = 120;
+
+uint32_t flagsOf(const Material& m) {
+    uint32_t flags = 0;
+    if (m.doubleSided) flags |= gpu::MATERIAL_DOUBLE_SIDED;
+    if (m.unlit) flags |= gpu::MATERIAL_UNLIT;
+    if (m.alphaMode == AlphaMode::mask) flags |= gpu::MATERIAL_MASK;
+    if (m.alphaMode == AlphaMode::blend) flags |= gpu::MATERIAL_BLEND;
+    if (m.thickness == 0) flags |= gpu::MATERIAL_THIN;
+    if (m.emission != glm::vec3(0)) flags |= gpu::MATERIAL_EMISSIVE;
+    return flags;
+}
+
+// A texture can only lower roughness and metallic, so with one any lower value may occur.
+uint32_t lobesOf(const Material& m) {
+    uint32_t features = 0;
+    const bool reflects = m.metallic > 0 || m.ior != 1;
+    if (m.transmission > 0) features |= gpu::FEATURE_TRANSMISSION | gpu::FEATURE_SPECULAR;
+    if (reflects) features |= gpu::FEATURE_SPECULAR;
+    const bool smooth =
+        m.metallicRoughnessTexture || m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
+    if ((features & gpu::FEATURE_SPECULAR) != 0 && smooth) features |= gpu::FEATURE_MIRROR;
+    if (m.transmission > 0 && m.thickness > 0 &&
+        absorptionCoefficient(m.attenuationColor, m.attenuationDistance) != glm::vec3(0))
+        features |= gpu::FEATURE_ATTENUATION;
+    return features;
+}
+
+uint32_t featuresOf(const Material& m) {
+    uint32_t features = m.unlit ? uint32_t{gpu::FEATURE_UNLIT} : lobesOf(m);
+    if (m.baseColorTexture ||
+        (!m.unlit && (m.metallicRoughnessTexture || m.emissionTexture || m.transmissionTexture)))
+        features |= gpu::FEATURE_TEXTURES;
+    if (m.normalTexture && !m.unlit) features |= gpu::FEATURE_NORMAL_MAPS;
+    if (m.alphaMode != AlphaMode::opaque) features |= gpu::FEATURE_CUTOUT;
+    return features;
+}
+
+}  // namespace
+
+glm::vec3 absorptionCoefficient(const glm::vec3& color, float distance) {
+    if (!(distance > 0) || std::isinf(distance)) return glm::vec3(0);
+    glm::vec3 sigma;
+    for (int c = 0; c < 3; ++c)
+        sigma[c] = static_cast<float>(std::clamp(-std::log(double{color[c]}), 0.0, kOpaque) / distance);
+    return sigma;
+}
+
+uint32_t MaterialPacker::albedoTableFor(float ior) {
+    const auto [at, isNew] = tableOfIor_.try_emplace(ior, static_cast<uint32_t>(tableOfIor_.size()));
+    if (isNew) {
+        const auto table = buildAlbedoTable(ior);
+        albedoTables.insert(albedoTables.end(), table.begin(), table.end());
+    }
+    return at->second;
+}
+
+void MaterialPacker::bindTextures(gpu::MaterialRecord& record, const Material& m) {
+    record.baseColorTexture = textures_.add(m.baseColorTexture);
+    if (m.unlit) return;
+    record.metallicRoughnessTexture = textures_.add(m.metallicRoughnessTexture);
+    record.normalTexture = textures_.add(m.normalTexture);
+    if (m.emission != glm::vec3(0)) record.emissionTexture = textures_.add(m.emissionTexture);
+    if (m.transmission > 0) record.transmissionTexture = textures_.add(m.transmissionTexture);
+}
+
+gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
+    gpu::MaterialRecord record{};
+    record.baseColor = m.baseColor;
+    record.alpha = m.alpha;
+    record.emission = m.emission;
+    record.alphaCutoff = m.alphaCutoff;
+    record.metallic = m.metallic;
+    record.roughness = m.roughness;
+    record.normalScale = m.normalScale;
+    record.ior = m.ior;
+    record.transmission = m.transmission;
+    record.flags = flagsOf(m);
+    record.absorption =
+        m.thickness > 0 ? absorptionCoefficient(m.attenuationColor, m.attenuationDistance) : glm::vec3(0);
+    record.baseColorTexture = record.metallicRoughnessTexture = record.normalTexture =
+        record.emissionTexture = record.transmissionTexture = gpu::NO_INDEX;
+    return record;
+}
+
+void MaterialPacker::add(const Material& material, bool used) {
+    gpu::MaterialRecord record = pack(material);
+    if (used) {
+        const uint32_t called = featuresOf(material);
+        features |= called;
+        if ((called & gpu::FEATURE_SPECULAR) != 0) record.albedoTable = albedoTableFor(material.ior);
+        bindTextures(record, material);
+    }
+    records.push_back(record);
+}
+
+}  // namespace tilefarm

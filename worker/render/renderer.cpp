@@ -1,0 +1,219 @@
+#include "worker/render/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <numbers>
+
+#include "path_trace.comp.h"
+#include "shared/error/error.h"
+#include "worker/render/camera_parameters.h"
+#include "worker/render/features.h"
+#include "worker/render/gpu_scene.h"
+#include "worker/vk/commands.h"
+
+namespace tilefarm {
+namespace {
+
+// A film of 2^21 pixels takes 128 MiB, the largest storage buffer that lavapipe binds.
+constexpr uint64_t kFilmPixels = uint64_t{1} << 21;
+// Samples per dispatch. Long dispatches are best on lavapipe; drivers of GPUs reset one that runs for
+// seconds. Where a pass is cut does not show in its bits: the film carries the running sums.
+constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 24;
+constexpr uint64_t kSamplesPerDispatchGpu = uint64_t{1} << 26;
+constexpr uint32_t kGroupSize = 8;
+
+std::vector<uint32_t> kernelConstants(const GpuScene& scene) {
+    std::vector<uint32_t> constants(gpu::SPEC_COUNT);
+    constants[gpu::SPEC_FEATURES] = scene.features;
+    constants[gpu::SPEC_VERTEX_TEXELS] = scene.vertexTexels;
+    constants[gpu::SPEC_STACK_SIZE] = scene.stackSize;
+    return constants;
+}
+
+gpu::PipelineSpec pipelineSpec(const GpuScene& scene) {
+    gpu::PipelineSpec spec;
+    spec.spirv = path_trace_comp;
+    spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
+    std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
+    spec.constants = kernelConstants(scene);
+    spec.pushConstantBytes = sizeof(gpu::PassConstants);
+    spec.name = "path_trace";
+    return spec;
+}
+
+gpu::FrameParameters frameParameters(const GpuScene& scene, const Camera& camera, const ImageSpec& image,
+                                     const RenderSettings& settings) {
+    gpu::FrameParameters p{};
+    setCamera(p, camera, image);
+    p.image = {image.width, image.height, settings.seed, 0};
+    p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), scene.lightCount,
+              scene.environmentLight};
+    p.environment = {scene.environmentWidth, scene.environmentHeight, 0, 0};
+    if (scene.environmentWeightSum > 0) {
+        const double texels = double(scene.environmentWidth) * scene.environmentHeight;
+        p.environmentPdf.x = static_cast<float>(1 / scene.environmentWeightSum);
+        p.environmentPdf.y = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
+    }
+    return p;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+    Impl(const gpu::Device& on, const Scene& source, const Camera& camera, const ImageSpec& size,
+         const RenderSettings& settings)
+        : Impl(on, source, flatten(source), camera, size, settings) {}
+
+    std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples);
+
+    const gpu::Device& device;
+    ImageSpec image;
+    TileGrid grid;
+    PrepareTimes times;
+    GpuScene scene;
+    FeatureReport features;
+    gpu::FrameParameters parameters;
+    gpu::ComputePipeline pipeline;
+    uint32_t tilesPerBatch;
+    gpu::StorageBuffer parameterBuffer, tileBuffer, filmBuffer, counterBuffer;
+    std::vector<gpu::Binding> bindings;
+    RenderStats stats;
+
+private:
+    Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world, const Camera& camera,
+         const ImageSpec& size, const RenderSettings& settings);
+    void renderBatch(std::span<const uint32_t> tiles, SampleRange samples, std::vector<PassFilm>& films);
+    void uploadTiles(std::span<const uint32_t> tiles);
+    void dispatch(uint32_t tileCount, SampleRange pass, SampleRange part);
+    PassFilm cropped(uint32_t tile, SampleRange samples, const std::byte* film) const;
+    uint64_t tilePixels() const { return uint64_t{image.tileSize} * image.tileSize; }
+};
+
+Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world,
+                     const Camera& camera, const ImageSpec& size, const RenderSettings& settings)
+    : device(on),
+      image(size),
+      grid(size),
+      scene(makeGpuScene(on, source, world, camera.orthographic ? uint32_t{gpu::FEATURE_ORTHOGRAPHIC} : 0u,
+                         times)),
+      features(reportFeatures(scene.features)),
+      parameters(frameParameters(scene, world.recentred(camera), size, settings)),
+      pipeline(on, pipelineSpec(scene)),
+      tilesPerBatch(static_cast<uint32_t>(std::clamp<uint64_t>(kFilmPixels / tilePixels(), 1, grid.count()))),
+      parameterBuffer(on, sizeof(gpu::FrameParameters), "frame parameters"),
+      tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
+      filmBuffer(on, sizeof(PassPixel) * tilePixels() * tilesPerBatch, "film"),
+      counterBuffer(on, sizeof(uint32_t) * gpu::COUNTER_COUNT, "counters") {
+    bindings.assign(scene.buffers.begin(), scene.buffers.end());
+    bindings.insert(bindings.end(), {parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
+    // Drivers compile on first use: an empty dispatch keeps that out of the first pass's time.
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<gpu::uvec4> none(tilesPerBatch);
+    tileBuffer.upload(gpu::bytesOf(none));
+    parameterBuffer.upload(gpu::bytesOfValue(parameters));
+    dispatch(1, {0, 0}, {0, 0});
+    times.pipelineSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    stats = {};
+}
+
+void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
+    std::vector<gpu::uvec4> rects;
+    rects.reserve(tiles.size());
+    for (const uint32_t tile : tiles) {
+        const Rect r = grid.rect(tile);
+        rects.emplace_back(r.x, r.y, r.width, r.height);
+    }
+    tileBuffer.upload(gpu::bytesOf(rects));
+}
+
+void Renderer::Impl::dispatch(uint32_t tileCount, SampleRange pass, SampleRange part) {
+    const gpu::PassConstants constants{part.first, part.count, pass.first, image.tileSize};
+    const uint32_t groups = (image.tileSize + kGroupSize - 1) / kGroupSize;
+    counterBuffer.zero();
+    gpu::CommandRun run(device);
+    run.dispatch(pipeline, bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
+    const size_t counters = run.read(counterBuffer);
+    gpu::Submission submission = run.submit();
+    stats.deviceSeconds += submission.wait();
+    std::array<uint32_t, gpu::COUNTER_COUNT> counts;
+    std::memcpy(counts.data(), submission.bytes(counters).data(), sizeof counts);
+    stats.rays += counts[gpu::COUNTER_RAYS];
+    stats.droppedSamples += counts[gpu::COUNTER_DROPPED_SAMPLES];
+}
+
+PassFilm Renderer::Impl::cropped(uint32_t tile, SampleRange samples, const std::byte* film) const {
+    PassFilm result;
+    result.tile = tile;
+    result.rect = grid.rect(tile);
+    result.samples = samples;
+    result.pixels.resize(result.rect.area());
+    for (uint32_t y = 0; y < result.rect.height; ++y)
+        std::memcpy(&result.pixels[size_t{y} * result.rect.width],
+                    film + size_t{y} * image.tileSize * sizeof(PassPixel),
+                    size_t{result.rect.width} * sizeof(PassPixel));
+    return result;
+}
+
+void Renderer::Impl::renderBatch(std::span<const uint32_t> tiles, SampleRange samples,
+                                 std::vector<PassFilm>& films) {
+    uploadTiles(tiles);
+    uint64_t pixels = 0;
+    for (const uint32_t tile : tiles) pixels += grid.rect(tile).area();
+    const uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
+    const auto step = static_cast<uint32_t>(std::clamp<uint64_t>(most / pixels, 1, samples.count));
+    for (uint32_t done = 0; done < samples.count; done += step)
+        dispatch(static_cast<uint32_t>(tiles.size()), samples,
+                 {samples.first + done, std::min(step, samples.count - done)});
+    stats.samples += pixels * samples.count;
+
+    gpu::CommandRun run(device);
+    const size_t film = run.read(filmBuffer, 0, sizeof(PassPixel) * tilePixels() * tiles.size());
+    gpu::Submission submission = run.submit();
+    const std::byte* bytes = submission.bytes(film).data();
+    for (size_t i = 0; i < tiles.size(); ++i)
+        films.push_back(cropped(tiles[i], samples, bytes + i * tilePixels() * sizeof(PassPixel)));
+}
+
+std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint32_t> tiles,
+                                             SampleRange samples) {
+    for (const uint32_t tile : tiles)
+        if (tile >= grid.count())
+            throw Error(ErrorCode::invalidArgument, "tile " + std::to_string(tile) +
+                                                        " is outside the image's " +
+                                                        std::to_string(grid.count()) + " tiles");
+    parameters.image.w = static_cast<uint32_t>(frame);
+    parameterBuffer.upload(gpu::bytesOfValue(parameters));
+    std::vector<PassFilm> films;
+    films.reserve(tiles.size());
+    for (size_t first = 0; first < tiles.size(); first += tilesPerBatch)
+        renderBatch(tiles.subspan(first, std::min<size_t>(tilesPerBatch, tiles.size() - first)), samples,
+                    films);
+    return films;
+}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera,
+                   const ImageSpec& image, const RenderSettings& settings)
+    : impl_(std::make_unique<Impl>(device, scene, camera, image, settings)) {}
+
+Renderer::~Renderer() = default;
+
+std::vector<PassFilm> Renderer::render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples) {
+    return impl_->render(frame, tiles, samples);
+}
+
+const RenderStats& Renderer::stats() const {
+    return impl_->stats;
+}
+const FeatureReport& Renderer::features() const {
+    return impl_->features;
+}
+const PrepareTimes& Renderer::prepareTimes() const {
+    return impl_->times;
+}
+uint64_t Renderer::triangleCount() const {
+    return impl_->scene.triangles;
+}
+
+}  // namespace tilefarm
