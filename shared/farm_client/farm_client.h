@@ -36,14 +36,15 @@ struct ResultUpload {
 /// themselves. One object per thread.
 class FarmClient {
 public:
-    /// `url` like http://host:port. Throws Error(invalidArgument) if it is none.
+    /// `url` like http://host:port (or https). Throws Error(invalidArgument) if it is none. Makes the
+    /// process ignore SIGPIPE.
     explicit FarmClient(std::string url, std::string token = {});
     ~FarmClient();
 
     // Blobs
     std::vector<std::string> missingBlobs(const std::vector<std::string>& digests);
     void putBlob(const std::string& sha256, const std::filesystem::path& file);
-    /// Streams into `file`; the caller checks the digest.
+    /// Streams into `file`, which is whole or absent; the caller checks the digest.
     void getBlob(const std::string& sha256, const std::filesystem::path& file);
 
     // Jobs; answers are the API's own JSON
@@ -52,8 +53,11 @@ public:
     nlohmann::json jobs(const std::string& query = {});
     nlohmann::json job(const std::string& id);
     nlohmann::json cancel(const std::string& id);
+    nlohmann::json pause(const std::string& id);
+    nlohmann::json resume(const std::string& id);
     nlohmann::json workers();
-    /// Any GET below /v1 streamed into a file, as for "/v1/jobs/7/frames/0/image.exr".
+    /// Any GET below /v1 streamed into a file, as for "/v1/jobs/7/frames/0/image.exr". The file is
+    /// whole or absent.
     void download(const std::string& path, const std::filesystem::path& file);
 
     // Leases
@@ -63,6 +67,8 @@ public:
     ResultReceipt upload(const ResultUpload& result);
     void handBack(const std::string& leaseId, uint64_t epoch);
     void reportFailure(const std::string& leaseId, uint64_t epoch, const std::string& message);
+    /// Once per worker and job: {"warnings", "features", "prepareSeconds"} as the API has them.
+    void reportScene(const std::string& leaseId, uint64_t epoch, const nlohmann::json& report);
 
 private:
     struct Impl;
