@@ -34,10 +34,10 @@ void storePixel(uint at, FilmPixel pixel) {
 void addSample(inout FilmPixel pixel, PathSample s) {
     float n = pixel.mean.w + 1.0;
     vec3 delta = s.radiance - pixel.mean.rgb;
-    vec3 mean = pixel.mean.rgb + delta / n;
-    vec3 after = s.radiance - mean;
-    pixel.mean = vec4(mean, n);
-    pixel.m2 += vec4(delta * after, luminance(delta) * luminance(after));
+    pixel.mean = vec4(pixel.mean.rgb + delta / n, n);
+    // As δ² (n − 1) / n, which rounding cannot make negative; δ (x − new mean) it can.
+    vec4 deviation = vec4(delta, luminance(delta));
+    pixel.m2 += deviation * deviation * ((n - 1.0) / n);
     pixel.albedo += (vec4(s.albedo, s.depth) - pixel.albedo) / n;
     pixel.normal += (vec4(s.normal, s.alpha) - pixel.normal) / n;
 }
