@@ -1,6 +1,7 @@
 // Times the renderer beside a path tracer over Embree on the same machine and in the same run.
 //
 //     tilefarm_bench [--device N] [--repeats 5] [--seconds 2] [--only cornell,terrain,…] [--json out.json]
+//     tilefarm_bench --write-terrain terrain.glb      for other programs, as compare_cycles.py uses it
 //
 // On the Lambert scenes both follow the same estimator, so that rays per second compare like with like; their
 // mean radiances are compared too, since a wrong image is easily fast. Measurements of the two alternate, and
@@ -20,6 +21,7 @@
 #include <thread>
 
 #include "shared/error/error.h"
+#include "tests/bench/bench_glb.h"
 #include "tests/bench/bench_scenes.h"
 #include "tests/bench/embree_path_tracer.h"
 #include "worker/render/renderer.h"
@@ -44,7 +46,10 @@ struct Options {
     double seconds = 2;
     std::vector<std::string> only;
     std::string json;
+    std::string writeTerrain;
 };
+
+constexpr uint32_t kTerrainSide = 707;  // 1.0 million triangles
 
 /// Rates of one program on one case.
 struct Rates {
@@ -136,7 +141,8 @@ Result runCase(const Case& c, const gpu::Device& device, const Options& options)
     settings.maxBounces = c.maxBounces;
     settings.rouletteStart = c.maxBounces;  // none: as the host path tracer
 
-    Result result{.name = c.name};
+    Result result;
+    result.name = c.name;
     std::optional<RendererUnderTest> ours;
     result.ours.prepareSeconds = secondsOf([&] { ours.emplace(device, scene, camera, image, settings); });
     result.triangles = ours->triangles();
@@ -169,7 +175,7 @@ std::vector<Case> allCases() {
              return scene;
          },
          512, 512, 5, true},
-        {"terrain", [] { return terrainRoom(707); }, 512, 512, 5, true},
+        {"terrain", [] { return terrainRoom(kTerrainSide); }, 512, 512, 5, true},
     };
     const fs::path shared = source.parent_path() / "shared";
     const auto add = [&](const std::string& name, const char* file, const char* environment,
@@ -267,7 +273,6 @@ int main(int argc, char** argv) {
     tilefarm::bench::Options options;
     CLI::App app{"Times the renderer beside a path tracer over Embree"};
     try {
-        options.device = tilefarm::gpu::defaultDevice();
         app.add_option("--device", options.device, "as `tilefarm-worker devices` counts")
             ->capture_default_str();
         app.add_option("--repeats", options.repeats, "timed runs of each program")
@@ -276,7 +281,14 @@ int main(int argc, char** argv) {
             ->check(CLI::PositiveNumber);
         app.add_option("--only", options.only, "cases to run, comma separated")->delimiter(',');
         app.add_option("--json", options.json, "file for the results");
+        app.add_option("--write-terrain", options.writeTerrain, "only write the terrain scene to this .glb");
         CLI11_PARSE(app, argc, argv);
+        if (!options.writeTerrain.empty()) {
+            tilefarm::bench::writeGlb(tilefarm::bench::terrainRoom(tilefarm::bench::kTerrainSide),
+                                      options.writeTerrain);
+            return 0;
+        }
+        if (app.count("--device") == 0) options.device = tilefarm::gpu::defaultDevice();
         return tilefarm::bench::run(options);
     } catch (const std::exception& error) {
         fmt::print(stderr, "tilefarm_bench: {}\n", error.what());

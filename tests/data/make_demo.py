@@ -15,7 +15,7 @@ import shapes
 import textures
 from gltf_writer import Gltf, Mesh, normalize, dot, png, quaternion, write_hdr
 
-SUN = normalize((-0.92, 0.52, 0.36))  # towards it: low, from the left and behind the camera
+SUN = normalize((-0.86, 0.40, 0.30))  # towards it: low, from the left and behind the camera
 
 
 def sky(direction):
@@ -30,23 +30,23 @@ def sky(direction):
     rose = mix((0.98, 0.47, 0.40), (1.60, 0.84, 0.38), towards)
     lilac, blue, zenith = (0.44, 0.32, 0.64), (0.13, 0.24, 0.58), (0.055, 0.12, 0.33)
     if y >= 0:
-        color = mix(rose, lilac, (y - 0.01) / 0.20)
-        color = mix(color, blue, (y - 0.12) / 0.34)
-        color = mix(color, zenith, (y - 0.35) / 0.60)
+        color = mix(rose, lilac, y / 0.17)
+        color = mix(color, blue, (y - 0.10) / 0.26)
+        color = mix(color, zenith, (y - 0.32) / 0.60)
     else:
-        color = mix(mix((0.34, 0.30, 0.44), (0.80, 0.50, 0.32), towards), (0.05, 0.08, 0.13), -y / 0.30)
+        color = mix(mix((0.26, 0.28, 0.50), (0.80, 0.50, 0.32), towards), (0.03, 0.07, 0.14), -y / 0.22)
     angle = math.degrees(math.acos(min(1.0, dot(direction, SUN))))
-    disc = 1 / (1 + math.exp((angle - 7.0) / 0.6))
+    disc = 1 / (1 + math.exp((angle - 8.0) / 0.6))
     glow = math.exp(-angle / 16)
-    sun = 92.0 * disc + 0.8 * glow
-    return tuple(c + sun * w for c, w in zip(color, (1.0, 0.74, 0.46)))
+    sun = 72.0 * disc + 0.8 * glow
+    return tuple(0.8 * c + sun * w for c, w in zip(color, (1.0, 0.74, 0.46)))
 
 
 def write_sky(path, width=256, height=128):
     def radiance(x, y):
-        # glTF viewers' convention: the image's middle column looks along -z, columns run to the right.
-        phi, theta = 2 * math.pi * (x + 0.5) / width, math.pi * (y + 0.5) / height
-        return sky((-math.sin(theta) * math.sin(phi), math.cos(theta), math.sin(theta) * math.cos(phi)))
+        # The middle column looks along +x, columns run to the right: as shaders/lights/environment.glsl has it.
+        phi, theta = 2 * math.pi * ((x + 0.5) / width - 0.5), math.pi * (y + 0.5) / height
+        return sky((math.sin(theta) * math.cos(phi), math.cos(theta), math.sin(theta) * math.sin(phi)))
     write_hdr(path, width, height, radiance)
 
 
@@ -71,7 +71,7 @@ def materials(gltf):
     add = gltf.material
     return {
         "floor": add("Terrazzo with brass strips", metallic=1.0, roughness=1.0, **floor),
-        "wall": add("Coral plaster", (0.76, 0.33, 0.235), roughness=0.85, normalTexture={**plaster, "scale": 0.7}),
+        "wall": add("Coral plaster", (0.64, 0.265, 0.185), roughness=0.85, normalTexture={**plaster, "scale": 0.7}),
         "cream": add("Cream plaster", (0.80, 0.72, 0.60), roughness=0.7, normalTexture={**plaster, "scale": 0.45}),
         "sage": add("Sage lacquer", (0.20, 0.34, 0.27), roughness=0.38),
         "copper": add("Polished copper", (0.955, 0.52, 0.36), metallic=1.0, roughness=0.12),
@@ -89,9 +89,9 @@ def materials(gltf):
         "green": add("Bottle-green glass", extensions=glass(1.5, (0.42, 0.86, 0.66), 0.10), roughness=0.0),
         "amber": add("Amber gem", extensions=glass(1.72, (0.98, 0.42, 0.12), 0.22), roughness=0.0),
         "lamp": add("Soft box", (0, 0, 0), emissiveFactor=[1.0, 0.93, 0.84],
-                    extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 5.0}}),
-        "halo": add("Neon", (0, 0, 0), emissiveFactor=[1.0, 0.42, 0.14],
-                    extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 5.0}}),
+                    extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 3.0}}),
+        "halo": add("Neon", (0, 0, 0), emissiveFactor=[1.0, 0.48, 0.16],
+                    extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 2.6}}),
     }
 
 
@@ -120,8 +120,8 @@ def still_life(gltf, mat):
         gltf.node(name, mesh=gltf.mesh(name, mesh, mat[material]), translation=list(at), **more)
         return mesh
 
-    put("Terrace", shapes.plane(-9, 9, -9, 9, uv_scale=1 / 1.8), "floor", uvs=True)
-    put("Wall", shapes.arch_wall(-7, 2.05, 4.6, -0.25, 1.05, 1.35, 0.5, 0.03, 0.55), "wall", (0, 0, -1.95), uvs=True)
+    put("Terrace", shapes.plane(-5.6, 6.4, -6.5, 5.5, uv_scale=1 / 1.8), "floor", uvs=True)
+    put("Wall", shapes.arch_wall(-4.6, 2.05, 4.4, -0.25, 1.05, 1.35, 0.5, 0.03, 0.55), "wall", (0, 0, -1.95), uvs=True)
     put("Round plinth", shapes.drum(0.78, 0.24, 0.03, 80), "cream", (-0.92, 0, -0.35), uvs=True)
     put("Tall plinth", shapes.drum(0.43, 0.66, 0.025, 72), "sage", (0.86, 0, -0.62))
     put("Vase", vase(), "green", (-1.08, 0.2402, -0.45), solid=True)
@@ -155,7 +155,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     gltf = Gltf("tests/data/make_demo.py")
     still_life(gltf, materials(gltf))
-    gltf.camera("Front", (1.15, 1.42, 5.6), (-0.08, 0.90, -0.35), 29.0)
+    gltf.camera("Front", (1.5, 1.66, 5.45), (0.0, 0.84, -0.35), 29.0)
     gltf.write_glb(folder / "demo.glb")
     write_sky(folder / "sky.hdr")
     sizes = ", ".join(f"{p.name} {p.stat().st_size / 1024:.0f} KiB" for p in sorted(folder.iterdir()))
