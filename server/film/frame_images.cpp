@@ -1,0 +1,215 @@
+#include "server/film/frame_images.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "server/film/picture.h"
+#include "shared/digest/digest.h"
+#include "shared/error/error.h"
+#include "shared/file/durable_file.h"
+#include "shared/image/png.h"
+#include "shared/job/wire.h"
+
+namespace tilefarm {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t kPicturesKept = 24;
+constexpr int kMostOfOneCore = 25;  // an image of a frame in work is made again after 25 times its cost
+
+std::string join(const std::set<std::string>& words) {
+    std::string joined;
+    for (const std::string& word : words) joined += (joined.empty() ? "" : "; ") + word;
+    return joined;
+}
+
+}  // namespace
+
+FrameImages::FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const Clock& clock,
+                         fs::path folder)
+    : store_(store), scheduler_(scheduler), films_(films), clock_(clock), folder_(std::move(folder)) {
+    fs::remove_all(folder_ / "cache");
+    makeFolder(folder_ / "cache");
+    makeFolder(folder_ / "images");
+}
+
+FrameImages::Frame FrameImages::find(const std::string& jobId, int32_t number) const {
+    Frame frame;
+    store_.read([&](const ConstTables& t) {
+        const auto job = t.jobs.find(jobId);
+        if (!job) throw Error(ErrorCode::notFound, "there is no job '" + jobId + "'");
+        frame.info = scheduler_.catalog().get(*job);
+        const std::string name = "frame " + std::to_string(number) + " of job '" + jobId + "'";
+        if (!frame.info->hasFrame(number)) throw Error(ErrorCode::notFound, "there is no " + name);
+        const auto row = t.frames.find(job->key, number);
+        if (!row) throw Error(ErrorCode::notFound, name + " has not begun");
+        frame.job = *job;
+        frame.row = *row;
+    });
+    return frame;
+}
+
+// The tile's row is read under its lock: a merge may have flipped the slots since.
+FilmTile FrameImages::tile(const Frame& frame, uint32_t index) const {
+    const TileLocks::Hold hold(films_.locks(), frame.job.key, frame.row.frame, {index});
+    std::optional<TileRow> row;
+    store_.read([&](const ConstTables& t) { row = t.frames.tile(frame.job.key, frame.row.frame, index); });
+    if (!row) throw Error(ErrorCode::conflict, "the frame was completed meanwhile");
+    return films_.read(*frame.info, frame.row.frame, *row);
+}
+
+ImageAttributes FrameImages::attributes(const Frame& frame) const {
+    std::set<std::string> devices, drivers;
+    store_.read([&](const ConstTables& t) {
+        std::set<std::string> names;
+        for (const ContributionRow& row : t.workers.contributions(frame.job.key)) names.insert(row.worker);
+        for (const WorkerRow& worker : t.workers.list()) {
+            if (!names.contains(worker.hello.worker)) continue;
+            devices.insert(worker.hello.device);
+            drivers.insert(worker.hello.driver);
+        }
+    });
+    const auto spec = nlohmann::json::parse(frame.job.specJson);
+    const JobSpec& job = frame.info->spec;
+    return {{"job", frame.job.id},
+            {"frame", std::to_string(frame.row.frame)},
+            {"scene", sha256Hex(spec.at("scene").dump())},
+            {"settings", spec.dump()},
+            {"samples", std::to_string(frame.row.samplesMerged)},
+            {"devices", join(devices)},
+            {"drivers", join(drivers)},
+            {"deviceSeconds", std::to_string(frame.row.deviceSeconds)},
+            {"droppedSamples", std::to_string(frame.row.droppedSamples)},
+            {"relativeError", frame.row.relativeError ? std::to_string(*frame.row.relativeError) : ""},
+            {"renderer", std::string("Tilefarm ") + TILEFARM_VERSION},
+            {"state", frame.row.samplesMerged == job.stop.samples ? "complete" : "partial"}};
+}
+
+fs::path FrameImages::finalPath(const Frame& frame) const {
+    return folder_ / "images" / frame.job.id / (std::to_string(frame.row.frame) + ".exr");
+}
+
+ImageFile FrameImages::finalExr(const Frame& frame) const {
+    auto file = std::make_shared<File>(finalPath(frame), File::Mode::read);
+    return {std::move(file), frame.row.exrBytes, frame.row.exrSha256, false};
+}
+
+bool FrameImages::freshEnough(const Made& made, const FrameRow& row) const {
+    return made.revision == row.revision || clock_.now() - made.at < kMostOfOneCore * made.cost;
+}
+
+ImageFile FrameImages::exr(const std::string& jobId, int32_t number) {
+    const Frame frame = find(jobId, number);
+    if (frame.row.state == FrameState::completed) return finalExr(frame);
+    try {
+        return partialExr(frame);
+    } catch (const Error&) {  // completed while it was being written?
+        const Frame again = find(jobId, number);
+        if (again.row.state != FrameState::completed) throw;
+        return finalExr(again);
+    }
+}
+
+ImageFile FrameImages::partialExr(const Frame& frame) {
+    const std::scoped_lock lock(making_);
+    const std::string name = frame.job.id + "-" + std::to_string(frame.row.frame) + ".exr";
+    if (const auto at = partial_.find(name);
+        at != partial_.end() && freshEnough(at->second.first, frame.row)) {
+        return at->second.second;
+    }
+    const TimePoint begin = clock_.now();
+    const fs::path path = folder_ / "cache" / name;
+    writeFrameExr(
+        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame));
+    auto file = std::make_shared<File>(path, File::Mode::read);
+    const ImageFile image{file, file->size(), sha256OfFile(path), true};
+    fs::remove(path);  // lives on while somebody holds it open
+    if (partial_.size() >= kPicturesKept) partial_.clear();
+    partial_[name] = {{frame.row.revision, clock_.now(), clock_.now() - begin}, image};
+    return image;
+}
+
+Picture FrameImages::png(const std::string& jobId, int32_t number, const ToneMapping& mapping,
+                         uint32_t width) {
+    const Frame frame = find(jobId, number);
+    const std::scoped_lock lock(making_);
+    const std::string key = jobId + "/" + std::to_string(number) + "/" + std::to_string(mapping.exposure) +
+                            "/" + std::string(toString(mapping.curve)) + "/" + std::to_string(width);
+    const bool partial = frame.row.state != FrameState::completed;
+    if (const auto at = pictures_.find(key); at != pictures_.end() && at->second.second.partial == partial &&
+                                             (!partial || freshEnough(at->second.first, frame.row))) {
+        return at->second.second;
+    }
+    const TimePoint begin = clock_.now();
+    Picture picture;
+    try {
+        picture = makePng(frame, mapping, width);
+    } catch (const Error&) {
+        const Frame again = find(jobId, number);
+        if (!partial || again.row.state != FrameState::completed) throw;
+        picture = makePng(again, mapping, width);
+    }
+    if (pictures_.size() >= kPicturesKept) pictures_.clear();
+    pictures_[key] = {{frame.row.revision, clock_.now(), clock_.now() - begin}, picture};
+    return picture;
+}
+
+Picture FrameImages::makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width) {
+    const ImageSpec& image = frame.info->spec.image;
+    const bool partial = frame.row.state != FrameState::completed;
+    PictureBuilder builder(image.width, image.height, width == 0 ? image.width : width, mapping);
+    if (partial) {
+        for (uint32_t i = 0; i < frame.info->grid.count(); ++i) builder.add(tile(frame, i));
+    } else {
+        forEachRows(finalPath(frame), [&](uint32_t y, auto pixels) { builder.addRows(y, pixels); });
+    }
+    auto png = std::make_shared<const std::vector<std::byte>>(encodePng(builder.finish()));
+    return {png, sha256Hex(*png), partial};
+}
+
+std::vector<std::string> FrameImages::finishFrames() {
+    std::vector<Frame> ready;
+    store_.read([&](const ConstTables& t) {
+        for (const FrameRow& row : t.frames.listByState(FrameState::finishing)) {
+            const JobRow job = *t.jobs.find(row.job);
+            ready.push_back({job, row, scheduler_.catalog().get(job)});
+        }
+    });
+    std::vector<std::string> faults;
+    for (const Frame& frame : ready) {
+        try {
+            finish(frame);
+        } catch (const Error& fault) {
+            faults.emplace_back(fault.what());
+        }
+    }
+    return faults;
+}
+
+void FrameImages::finish(const Frame& frame) {
+    const fs::path path = finalPath(frame);
+    makeFolder(path.parent_path());
+    writeFrameExr(
+        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame));
+    films_.reached("image written");
+    scheduler_.frameWritten(frame.job.key, frame.row.frame, sha256OfFile(path), fs::file_size(path));
+    films_.reached("frame completed");
+    films_.remove(*frame.info, frame.row.frame);
+}
+
+void FrameImages::removeSpentFilms() {
+    std::vector<Frame> spent;
+    store_.read([&](const ConstTables& t) {
+        for (const FrameRow& row : t.frames.listByState(FrameState::completed)) {
+            const auto job = *t.jobs.find(row.job);
+            if (fs::exists(folder_ / "films" / job.id))
+                spent.push_back({job, row, scheduler_.catalog().get(job)});
+        }
+    });
+    for (const Frame& frame : spent) films_.remove(*frame.info, frame.row.frame);
+}
+
+}  // namespace tilefarm

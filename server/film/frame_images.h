@@ -1,0 +1,83 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/film/film_store.h"
+#include "server/queue/scheduler.h"
+#include "shared/image/exr.h"
+#include "shared/image/tone.h"
+
+namespace tilefarm {
+
+/// An open image file with the digest of its bytes; stays readable when a newer one replaces it.
+struct ImageFile {
+    std::shared_ptr<const File> file;
+    uint64_t bytes = 0;
+    std::string sha256;
+    bool partial = false;
+};
+
+struct Picture {
+    std::shared_ptr<const std::vector<std::byte>> png;
+    std::string sha256;
+    bool partial = false;
+};
+
+/// Images of frames, finished or as far as they are merged. One is made at a time, a row of tiles in
+/// memory. A picture of a frame in work may be a little older than its film: making it again is
+/// bounded to a few per cent of one core.
+class FrameImages {
+public:
+    FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const Clock& clock,
+                std::filesystem::path folder);
+
+    /// Throw Error(notFound) for an unknown job, or a frame without a film yet.
+    ImageFile exr(const std::string& jobId, int32_t frame);
+    /// `width` 0: that of the frame.
+    Picture png(const std::string& jobId, int32_t frame, const ToneMapping& mapping, uint32_t width);
+
+    /// Writes the final image of each frame whose passes are all merged, marks it completed, and
+    /// removes its film. Frames whose writing fails stay as they are; gives their faults.
+    std::vector<std::string> finishFrames();
+    /// Films of frames that are completed: a crash may have left them.
+    void removeSpentFilms();
+
+private:
+    struct Frame {
+        JobRow job;
+        FrameRow row;
+        std::shared_ptr<const JobInfo> info;
+    };
+    struct Made {
+        uint64_t revision = 0;
+        TimePoint at{};
+        Milliseconds cost{};
+    };
+
+    Frame find(const std::string& jobId, int32_t frame) const;
+    FilmTile tile(const Frame& frame, uint32_t index) const;
+    ImageAttributes attributes(const Frame& frame) const;
+    std::filesystem::path finalPath(const Frame& frame) const;
+    ImageFile finalExr(const Frame& frame) const;
+    ImageFile partialExr(const Frame& frame);
+    Picture makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width);
+    bool freshEnough(const Made& made, const FrameRow& row) const;
+    void finish(const Frame& frame);
+
+    JobStore& store_;
+    Scheduler& scheduler_;
+    FilmStore& films_;
+    const Clock& clock_;
+    std::filesystem::path folder_;
+
+    std::mutex making_;  // guards what follows, and memory: one image at a time
+    std::map<std::string, std::pair<Made, ImageFile>> partial_;
+    std::map<std::string, std::pair<Made, Picture>> pictures_;
+};
+
+}  // namespace tilefarm

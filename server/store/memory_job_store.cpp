@@ -1,0 +1,438 @@
+#include "server/store/memory_job_store.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "shared/error/error.h"
+
+namespace tilefarm {
+namespace {
+
+using FrameKey = std::pair<JobKey, int32_t>;
+using TileKey = std::tuple<JobKey, int32_t, uint32_t>;
+using PassKey = std::tuple<JobKey, int32_t, uint32_t, uint32_t>;  // job, frame, first sample, tile
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorCode::conflict, what);
+}
+
+template <typename State>
+void checkMove(State from, State to) {
+    if (from != to && !canMove(from, to)) {
+        refuse("no move from " + std::string(toString(from)) + " to " + std::string(toString(to)));
+    }
+}
+
+struct Jobs : JobTable {
+    std::map<JobKey, JobRow> rows;
+    JobKey last = 0;
+
+    std::optional<JobRow> findIf(const std::function<bool(const JobRow&)>& matches) const {
+        for (const auto& [key, row] : rows) {
+            if (matches(row)) return row;
+        }
+        return std::nullopt;
+    }
+    std::optional<JobRow> find(const std::string& id) const override {
+        return findIf([&](const JobRow& row) { return row.id == id; });
+    }
+    std::optional<JobRow> find(JobKey key) const override {
+        const auto at = rows.find(key);
+        return at == rows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::optional<JobRow> findByIdempotencyKey(const std::string& key) const override {
+        return findIf([&](const JobRow& row) { return !key.empty() && row.idempotencyKey == key; });
+    }
+    std::vector<JobRow> list(const JobQuery& query) const override {
+        std::vector<JobRow> found;
+        for (auto at = rows.rbegin(); at != rows.rend() && found.size() < query.limit; ++at) {
+            if (at->first < query.before && (!query.state || at->second.state == *query.state)) {
+                found.push_back(at->second);
+            }
+        }
+        return found;
+    }
+    void forEachLeasable(const std::function<bool(JobKey)>& visit) const override {
+        std::vector<std::pair<int32_t, JobKey>> order;
+        for (const auto& [key, row] : rows) {
+            if (row.state == JobState::queued || row.state == JobState::running)
+                order.emplace_back(-row.priority, key);
+        }
+        std::sort(order.begin(), order.end());
+        for (const auto& [priority, key] : order) {
+            if (!visit(key)) return;
+        }
+    }
+    std::map<JobState, uint64_t> counts() const override {
+        std::map<JobState, uint64_t> counts;
+        for (const auto& [key, row] : rows) ++counts[row.state];
+        return counts;
+    }
+    JobKey insert(const JobRow& row) override {
+        if (find(row.id)) refuse("job id '" + row.id + "' is taken");
+        if (findByIdempotencyKey(row.idempotencyKey)) refuse("idempotency key is taken");
+        rows[++last] = row;
+        rows[last].key = last;
+        return last;
+    }
+    void update(const JobRow& row) override {
+        auto& old = rows.at(row.key);
+        checkMove(old.state, row.state);
+        old = row;
+    }
+};
+
+struct Frames : FrameTable {
+    std::map<FrameKey, FrameRow> rows;
+    std::map<TileKey, TileRow> tileRows;
+    std::map<TileKey, LevelRow> levelRows;  // by samples
+
+    std::optional<FrameRow> find(JobKey job, int32_t frame) const override {
+        const auto at = rows.find({job, frame});
+        return at == rows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::vector<FrameRow> listIf(const std::function<bool(const FrameRow&)>& matches) const {
+        std::vector<FrameRow> found;
+        for (const auto& [key, row] : rows) {
+            if (matches(row)) found.push_back(row);
+        }
+        return found;
+    }
+    std::vector<FrameRow> list(JobKey job) const override {
+        return listIf([&](const FrameRow& row) { return row.job == job; });
+    }
+    std::vector<FrameRow> listByState(FrameState state) const override {
+        return listIf([&](const FrameRow& row) { return row.state == state; });
+    }
+    std::vector<FrameRow> listActive(JobKey job) const override {
+        return listIf([&](const FrameRow& row) { return row.job == job && row.state == FrameState::active; });
+    }
+    void insert(const FrameRow& row) override {
+        if (!rows.emplace(FrameKey{row.job, row.frame}, row).second) refuse("the frame exists");
+        for (uint32_t tile = 0; tile < row.tiles; ++tile) {
+            tileRows[{row.job, row.frame, tile}] = {.job = row.job, .frame = row.frame, .tile = tile};
+        }
+    }
+    void update(const FrameRow& row) override { rows.at({row.job, row.frame}) = row; }
+    std::optional<TileRow> tile(JobKey job, int32_t frame, uint32_t tile) const override {
+        const auto at = tileRows.find({job, frame, tile});
+        return at == tileRows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::vector<TileRow> tiles(JobKey job, int32_t frame) const override {
+        std::vector<TileRow> found;
+        for (auto at = tileRows.lower_bound({job, frame, 0});
+             at != tileRows.end() && at->second.job == job && at->second.frame == frame; ++at) {
+            found.push_back(at->second);
+        }
+        return found;
+    }
+    void update(const TileRow& row) override {
+        auto& old = tileRows.at({row.job, row.frame, row.tile});
+        if (row.mergedSamples < old.mergedSamples) refuse("merged samples are never given up");
+        old = row;
+    }
+    void dropTiles(JobKey job, int32_t frame) override {
+        std::erase_if(tileRows,
+                      [&](const auto& at) { return at.second.job == job && at.second.frame == frame; });
+    }
+    std::optional<LevelRow> level(JobKey job, int32_t frame, uint32_t samples) const override {
+        const auto at = levelRows.find({job, frame, samples});
+        return at == levelRows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::vector<LevelRow> levels(JobKey job, int32_t frame) const override {
+        std::vector<LevelRow> found;
+        for (auto at = levelRows.lower_bound({job, frame, 0});
+             at != levelRows.end() && at->second.job == job && at->second.frame == frame; ++at) {
+            found.push_back(at->second);
+        }
+        return found;
+    }
+    void put(const LevelRow& row) override { levelRows[{row.job, row.frame, row.samples}] = row; }
+};
+
+struct Leases : LeaseTable {
+    std::map<uint64_t, LeaseRow> rows;
+    uint64_t last = 0;
+    std::vector<FailureRow> failureRows;
+    const std::vector<ContributionRow>* contributions = nullptr;  // of the worker table, set by State
+
+    std::optional<LeaseRow> find(const std::string& id) const override {
+        for (const auto& [epoch, row] : rows) {
+            if (row.id == id) return row;
+        }
+        return std::nullopt;
+    }
+    std::vector<LeaseRow> open() const override {
+        std::vector<LeaseRow> found;
+        for (const auto& [epoch, row] : rows) {
+            if (row.state == LeaseState::open) found.push_back(row);
+        }
+        return found;
+    }
+    bool isOpen(uint64_t epoch) const {
+        const auto at = rows.find(epoch);
+        return at != rows.end() && at->second.state == LeaseState::open;
+    }
+    uint64_t lastEpoch() const override { return last; }
+    void insert(const LeaseRow& row) override {
+        if (!rows.emplace(row.epoch, row).second) refuse("the epoch is taken");
+        last = std::max(last, row.epoch);
+    }
+    void close(uint64_t epoch, LeaseState state) override { rows.at(epoch).state = state; }
+    void forgetClosedBefore(TimePoint granted) override {
+        std::erase_if(rows, [&](const auto& at) {
+            return at.second.state != LeaseState::open && at.second.granted < granted;
+        });
+    }
+    void addFailure(const FailureRow& row) override {
+        for (FailureRow& old : failureRows) {
+            if (old.job == row.job && old.frame == row.frame && old.tile == row.tile &&
+                old.firstSample == row.firstSample && old.worker == row.worker) {
+                old.message = row.message;
+                old.reports += row.reports;
+                return;
+            }
+        }
+        failureRows.push_back(row);
+    }
+    std::vector<FailureRow> failures(JobKey job, int32_t frame, uint32_t tile,
+                                     uint32_t first) const override {
+        std::vector<FailureRow> found;
+        for (const FailureRow& row : failureRows) {
+            if (row.job == job && row.frame == frame && row.tile == tile && row.firstSample == first) {
+                found.push_back(row);
+            }
+        }
+        return found;
+    }
+    size_t jobsOnlyThisWorkerFailed(const std::string& worker) const override {
+        std::set<JobKey> jobs;
+        for (const FailureRow& row : failureRows) {
+            const bool othersCould =
+                std::any_of(contributions->begin(), contributions->end(), [&](const ContributionRow& c) {
+                    return c.job == row.job && c.worker != worker && c.passes > 0;
+                });
+            if (row.worker == worker && othersCould) jobs.insert(row.job);
+        }
+        return jobs.size();
+    }
+};
+
+struct Passes : PassTable {
+    std::map<PassKey, PassRow> rows;
+    const Leases* leases = nullptr;
+
+    auto frameRange(JobKey job, int32_t frame, uint32_t from = 0) const {
+        return std::pair(rows.lower_bound({job, frame, from, 0}),
+                         rows.upper_bound({job, frame, UINT32_MAX, UINT32_MAX}));
+    }
+    std::optional<PassRow> find(JobKey job, int32_t frame, uint32_t tile, uint32_t first) const override {
+        const auto at = rows.find({job, frame, first, tile});
+        return at == rows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::optional<uint32_t> lowestQueued(JobKey job, int32_t frame, uint32_t from) const override {
+        const auto [begin, end] = frameRange(job, frame, from);
+        const auto at =
+            std::find_if(begin, end, [](const auto& p) { return p.second.state == PassState::queued; });
+        return at == end ? std::nullopt : std::optional(at->second.samples.first);
+    }
+    PassCounts counts(JobKey job, int32_t frame) const override {
+        PassCounts counts;
+        const auto [begin, end] = frameRange(job, frame);
+        for (auto at = begin; at != end; ++at) {
+            switch (at->second.state) {
+                case PassState::queued: ++counts.queued; break;
+                case PassState::leased: ++counts.leased; break;
+                case PassState::merged: ++counts.merged; break;
+                case PassState::failed: ++counts.failed; break;
+            }
+        }
+        return counts;
+    }
+    std::vector<PassRow> listIf(const std::function<bool(const PassRow&)>& matches) const {
+        std::vector<PassRow> found;
+        for (const auto& [key, row] : rows) {
+            if (matches(row)) found.push_back(row);
+        }
+        return found;
+    }
+    std::vector<PassRow> leasedWithoutLease() const override {
+        return listIf(
+            [&](const PassRow& row) { return row.state == PassState::leased && !leases->isOpen(row.epoch); });
+    }
+    std::vector<PassRow> held() const override {
+        return listIf([](const PassRow& row) { return row.held.has_value(); });
+    }
+    std::vector<PassRow> heldOf(JobKey job, int32_t frame, uint32_t tile) const override {
+        return listIf([&](const PassRow& row) {
+            return row.held && row.job == job && row.frame == frame && row.tile == tile;
+        });
+    }
+    std::optional<TimePoint> oldestQueued() const override {
+        std::optional<TimePoint> oldest;
+        for (const auto& [key, row] : rows) {
+            if (row.state == PassState::queued)
+                oldest = std::min(oldest.value_or(row.queuedAt), row.queuedAt);
+        }
+        return oldest;
+    }
+    void insertLevel(JobKey job, int32_t frame, SampleRange level, uint32_t tiles, TimePoint now) override {
+        for (uint32_t tile = 0; tile < tiles; ++tile) {
+            const PassRow row{
+                .job = job, .frame = frame, .tile = tile, .samples = level, .held = {}, .queuedAt = now};
+            if (!rows.emplace(PassKey{job, frame, level.first, tile}, row).second) refuse("the pass exists");
+        }
+    }
+    /// Whether the worker should not get a pass because it failed it and others have not yet tried.
+    bool leftToOthers(const PassRow& row, const PassClaim& claim) const {
+        const auto failures = leases->failures(row.job, row.frame, row.tile, row.samples.first);
+        return failures.size() < claim.onlineWorkers &&
+               std::any_of(failures.begin(), failures.end(),
+                           [&](const FailureRow& failure) { return failure.worker == claim.worker; });
+    }
+    std::vector<LeasedPass> claim(const PassClaim& claim) override {
+        std::vector<LeasedPass> taken;
+        const auto end = rows.upper_bound({claim.job, claim.frame, claim.level.first, UINT32_MAX});
+        for (auto at = rows.lower_bound({claim.job, claim.frame, claim.level.first, 0});
+             at != end && taken.size() < claim.limit; ++at) {
+            PassRow& row = at->second;
+            if (row.state != PassState::queued || leftToOthers(row, claim)) continue;
+            row.state = PassState::leased;
+            row.epoch = claim.epoch;
+            taken.push_back({row.tile, row.samples});
+        }
+        return taken;
+    }
+    void update(const PassRow& row) override {
+        auto& old = rows.at({row.job, row.frame, row.samples.first, row.tile});
+        checkMove(old.state, row.state);
+        old = row;
+    }
+    uint64_t release(uint64_t epoch, TimePoint now) override {
+        uint64_t released = 0;
+        for (auto& [key, row] : rows) {
+            if (row.state != PassState::leased || row.epoch != epoch) continue;
+            row.state = PassState::queued;
+            row.queuedAt = now;
+            ++released;
+        }
+        return released;
+    }
+    void drop(JobKey job, int32_t frame, uint32_t belowFirst) override {
+        std::erase_if(rows, [&](const auto& at) {
+            return at.second.job == job && at.second.frame == frame && at.second.samples.first < belowFirst;
+        });
+    }
+};
+
+struct Workers : WorkerTable {
+    std::map<std::string, WorkerRow> rows;
+    std::vector<ContributionRow> contributionRows;
+    std::map<std::pair<JobKey, std::string>, std::string> reportRows;
+
+    std::vector<WorkerRow> list() const override {
+        std::vector<WorkerRow> found;
+        for (const auto& [id, row] : rows) found.push_back(row);
+        return found;
+    }
+    void put(const WorkerRow& row) override { rows[row.hello.worker] = row; }
+    void forgetSeenBefore(TimePoint lastSeen) override {
+        std::erase_if(rows, [&](const auto& at) { return at.second.lastSeen < lastSeen; });
+    }
+    std::vector<ContributionRow> contributions(JobKey job) const override {
+        std::vector<ContributionRow> found;
+        for (const ContributionRow& row : contributionRows) {
+            if (row.job == job) found.push_back(row);
+        }
+        return found;
+    }
+    void addContribution(const ContributionRow& row) override {
+        for (ContributionRow& old : contributionRows) {
+            if (old.job != row.job || old.worker != row.worker) continue;
+            old.deviceSeconds += row.deviceSeconds;
+            old.passes += row.passes;
+            old.samples += row.samples;
+            return;
+        }
+        contributionRows.push_back(row);
+    }
+    std::vector<ReportRow> reports(JobKey job) const override {
+        std::vector<ReportRow> found;
+        for (const auto& [key, json] : reportRows) {
+            if (key.first == job) found.push_back({job, key.second, json});
+        }
+        return found;
+    }
+    void putReport(const ReportRow& row) override { reportRows[{row.job, row.worker}] = row.json; }
+};
+
+struct Events : EventTable {
+    std::map<int64_t, EventRow> rows;
+    int64_t last = 0;
+
+    std::vector<EventRow> list(int64_t after, std::optional<JobKey> job, size_t limit) const override {
+        std::vector<EventRow> found;
+        for (auto at = rows.upper_bound(after); at != rows.end() && found.size() < limit; ++at) {
+            if (!job || at->second.job == *job) found.push_back(at->second);
+        }
+        return found;
+    }
+    int64_t lastId() const override { return last; }
+    int64_t add(const EventRow& row) override {
+        rows[++last] = row;
+        rows[last].id = last;
+        return last;
+    }
+    void forgetBelow(int64_t id) override { rows.erase(rows.begin(), rows.lower_bound(id)); }
+};
+
+}  // namespace
+
+struct MemoryJobStore::State {
+    Jobs jobs;
+    Frames frames;
+    Passes passes;
+    Leases leases;
+    Workers workers;
+    Events events;
+
+    State() { link(); }
+    State(const State& other)
+        : jobs(other.jobs),
+          frames(other.frames),
+          passes(other.passes),
+          leases(other.leases),
+          workers(other.workers),
+          events(other.events) {
+        link();
+    }
+    State& operator=(const State&) = delete;
+    void link() {
+        passes.leases = &leases;
+        leases.contributions = &workers.contributionRows;
+    }
+    Tables tables() { return {jobs, frames, passes, leases, workers, events}; }
+};
+
+MemoryJobStore::MemoryJobStore() : state_(std::make_shared<State>()) {}
+MemoryJobStore::~MemoryJobStore() = default;
+
+void MemoryJobStore::write(const std::function<void(Tables&)>& work) {
+    const std::scoped_lock lock(mutex_);
+    auto next = std::make_shared<State>(*state_);
+    auto tables = next->tables();
+    work(tables);
+    state_ = std::move(next);
+}
+
+void MemoryJobStore::read(const std::function<void(const ConstTables&)>& work) const {
+    std::shared_ptr<const State> view;
+    {
+        const std::scoped_lock lock(mutex_);
+        view = state_;
+    }
+    work(ConstTables(const_cast<State&>(*view).tables()));
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/clock/clock.h"
+#include "shared/job/lease.h"
+#include "shared/job/states.h"
+
+namespace tilefarm {
+
+/// The rows of the database as plain values. Counts live in the job and frame rows, so that a list
+/// costs as much as the page it shows.
+
+using JobKey = int64_t;  // grows with every job; `JobRow::id` is what the API shows
+
+struct JobRow {
+    JobKey key = 0;
+    std::string id;
+    JobState state = JobState::queued;
+    int32_t priority = 50;
+    std::string specJson;
+    std::string idempotencyKey;  // empty: none
+    std::string bodyDigest;      // of the request that made it
+    TimePoint created{};
+    std::optional<TimePoint> started, finished;
+    uint64_t passes = 0;        // of all frames
+    uint64_t passesMerged = 0;  // accepted and durable
+    uint32_t frames = 0;
+    uint32_t framesStarted = 0;  // frame rows exist for the first so many frames
+    uint32_t framesDone = 0;
+    uint32_t samplesMerged = 0;  // of the last frame that completed a pass level
+    std::optional<double> relativeError;
+    double deviceSeconds = 0;
+    uint64_t droppedSamples = 0;
+    std::vector<std::string> faults;
+};
+
+/// active: passes are handed out; finishing: all merged, the image is being written.
+enum class FrameState { active, finishing, completed };
+
+struct FrameRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    FrameState state = FrameState::active;
+    uint32_t levels = 0;         // passes of the schedule
+    uint32_t levelsCreated = 0;  // passes of the first so many levels have rows (or had, until merged)
+    uint32_t tiles = 0;
+    uint64_t passesMerged = 0;
+    uint64_t passesQueued = 0;  // rows in each state
+    uint64_t passesLeased = 0;
+    uint32_t samplesMerged = 0;  // least over tiles
+    std::optional<double> relativeError;
+    double deviceSeconds = 0;
+    uint64_t droppedSamples = 0;
+    uint64_t revision = 0;  // grows with every merge: names a state of the picture
+    std::string exrSha256;  // once completed
+    uint64_t exrBytes = 0;
+};
+
+struct TileRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    uint32_t tile = 0;
+    uint32_t slot = 0;           // which of the two film slots is valid
+    uint32_t mergedSamples = 0;  // passes covering [0, mergedSamples) are in the film
+    friend bool operator==(const TileRow&, const TileRow&) = default;
+};
+
+/// A pass level of a frame: what its tiles measured with samples [0, samples) merged. Complete, and a
+/// point of the error curve, once every tile has reached it.
+struct LevelRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    uint32_t samples = 0;
+    uint32_t tiles = 0;           // that have reached it
+    double relativeVariance = 0;  // sum over their pixels, as in ErrorSums
+    uint64_t droppedSamples = 0;
+    std::optional<double> relativeError;  // once complete; unknown at one sample
+    std::optional<double> deviceSeconds;  // of the frame so far, once complete
+    friend bool operator==(const LevelRow&, const LevelRow&) = default;
+};
+
+/// A durable pass that waits for its predecessors: where its pixels lie.
+struct HeldPass {
+    std::string file;
+    uint64_t offset = 0;
+};
+
+struct PassRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    uint32_t tile = 0;
+    SampleRange samples;
+    PassState state = PassState::queued;
+    uint64_t epoch = 0;  // of the last lease; 0: never leased
+    std::optional<HeldPass> held;
+    TimePoint queuedAt{};
+};
+
+enum class LeaseState { open, merged, expired, returned, failed, revoked };
+
+struct LeaseRow {
+    uint64_t epoch = 0;  // grows with every grant
+    std::string id;
+    std::string worker;
+    JobKey job = 0;
+    int32_t frame = 0;
+    LeaseState state = LeaseState::open;
+    TimePoint granted{};
+    std::vector<LeasedPass> passes;
+};
+
+enum class WorkerState { online, draining, parked, quarantined, offline };
+
+struct WorkerRow {
+    WorkerHello hello;
+    WorkerState state = WorkerState::online;
+    std::string reason;  // why quarantined or parked
+    TimePoint firstSeen{}, lastSeen{};
+};
+
+/// What a worker gave to a job.
+struct ContributionRow {
+    JobKey job = 0;
+    std::string worker;
+    double deviceSeconds = 0;
+    uint64_t passes = 0;
+    uint64_t samples = 0;  // pixel samples
+};
+
+struct FailureRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    uint32_t tile = 0;
+    uint32_t firstSample = 0;
+    std::string worker;
+    std::string message;
+    uint32_t reports = 1;
+};
+
+struct ReportRow {
+    JobKey job = 0;
+    std::string worker;
+    std::string json;
+};
+
+struct EventRow {
+    int64_t id = 0;
+    JobKey job = 0;  // 0: of no job
+    std::string jobId;
+    TimePoint at{};
+    std::string type;
+    std::string json;
+};
+
+std::string_view toString(FrameState state);
+std::string_view toString(LeaseState state);
+std::string_view toString(WorkerState state);
+FrameState frameStateFrom(std::string_view word);
+LeaseState leaseStateFrom(std::string_view word);
+WorkerState workerStateFrom(std::string_view word);
+
+}  // namespace tilefarm
