@@ -1,0 +1,198 @@
+#include "server/api/http_server.h"
+
+#include <httplib.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "server/api/connection_threads.h"
+#include "server/api/problem.h"
+#include "server/api/routes.h"
+#include "server/api/services.h"
+
+namespace tilefarm {
+namespace {
+
+constexpr size_t kMostConnections = 1024;
+constexpr uint64_t kMostDiscarded = 256ull << 20;
+constexpr size_t kPieceBytes = 256 << 10;
+
+struct Threads : httplib::TaskQueue {
+    ConnectionThreads threads{kMostConnections};
+    void enqueue(std::function<void()> task) override { threads.run(std::move(task)); }
+    void shutdown() override { threads.stop(); }
+};
+
+bool hasBody(const httplib::Request& request) {
+    return request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+}
+
+std::optional<uint64_t> contentLength(const httplib::Request& request) {
+    const std::string text = request.get_header_value("Content-Length");
+    if (text.empty() || text.size() > 18 || text.find_first_not_of("0123456789") != std::string::npos)
+        return {};
+    return std::stoull(text);
+}
+
+// Hands the body on exactly once. A consumer that throws is not called again, and the rest is read and
+// dropped (up to a limit): bytes left on the connection would be taken for the next request.
+class BodyReader {
+public:
+    BodyReader(const httplib::Request& request, const httplib::ContentReader* reader)
+        : reader_(hasBody(request) ? reader : nullptr) {}
+
+    void read(const HttpRequest::Consumer& consumer) {
+        if (reader_ == nullptr) return;
+        std::exception_ptr fault;
+        uint64_t discarded = 0;
+        const auto* reader = std::exchange(reader_, nullptr);
+        const bool whole = (*reader)([&](const char* data, size_t size) {
+            if (fault) return (discarded += size) < kMostDiscarded;
+            try {
+                consumer(std::as_bytes(std::span(data, size)));
+            } catch (...) {
+                fault = std::current_exception();
+            }
+            return true;
+        });
+        if (fault) std::rethrow_exception(fault);
+        if (!whole) throw Error(ErrorCode::invalidArgument, "the body ended before its length was reached");
+    }
+    void discard() {
+        try {
+            read([](std::span<const std::byte>) { throw Error(ErrorCode::internal, "not wanted"); });
+        } catch (const Error&) {
+        }
+    }
+
+private:
+    const httplib::ContentReader* reader_;
+};
+
+void sendContent(httplib::Response& out, const std::string& type, HttpResponse::Content content) {
+    auto buffer = std::make_shared<std::vector<std::byte>>();
+    out.set_content_provider(
+        content.bytes, type, [content, buffer](size_t offset, size_t length, httplib::DataSink& sink) {
+            buffer->resize(std::min(length, kPieceBytes));
+            try {
+                content.read(offset, *buffer);
+            } catch (const std::exception& fault) {  // the head is out: all that is left is to hang up
+                spdlog::error("while sending: {}", fault.what());
+                return false;
+            }
+            return sink.write(reinterpret_cast<const char*>(buffer->data()), buffer->size());
+        });
+}
+
+void sendStream(httplib::Response& out, const std::string& type, HttpResponse::Stream next) {
+    out.set_chunked_content_provider(type, [next](size_t, httplib::DataSink& sink) {
+        try {
+            const auto write = [&](std::string_view text) { return sink.write(text.data(), text.size()); };
+            if (!sink.is_writable()) return false;
+            if (!next(write)) sink.done();
+            return true;
+        } catch (const std::exception& fault) {
+            spdlog::error("while streaming: {}", fault.what());
+            return false;
+        }
+    });
+}
+
+void send(HttpResponse response, httplib::Response& out) {
+    out.status = response.status;
+    for (const auto& [name, value] : response.headers) out.headers.emplace(name, value);
+    if (auto* text = std::get_if<std::string>(&response.body)) {
+        if (!response.type.empty()) out.set_content(*text, response.type);
+    } else if (auto* content = std::get_if<HttpResponse::Content>(&response.body)) {
+        sendContent(out, response.type, std::move(*content));
+    } else {
+        sendStream(out, response.type, std::move(std::get<HttpResponse::Stream>(response.body)));
+    }
+}
+
+// The library's own ideas about ranges and multipart bodies are kept out: both are answered here.
+void ignoreLibraryExtras(const httplib::Request& request) {
+    auto& mutableRequest = const_cast<httplib::Request&>(request);
+    mutableRequest.ranges.clear();
+    mutableRequest.headers.erase("Content-Type");
+}
+
+void answer(Services& services, const httplib::Request& in, httplib::Response& out,
+            const httplib::ContentReader* reader) {
+    ignoreLibraryExtras(in);
+    BodyReader body(in, reader);
+    HttpRequest request;
+    request.method = in.method;
+    request.path = in.path;
+    for (const auto& [name, value] : in.params) request.query.emplace(name, value);
+    request.header = [&in](const std::string& name) { return in.get_header_value(name); };
+    request.contentLength = contentLength(in);
+    request.stream = [&body](const HttpRequest::Consumer& consumer) { body.read(consumer); };
+    auto response = dispatch(services, request);
+    body.discard();
+    send(std::move(response), out);
+}
+
+// Without SO_REUSEPORT, which the library sets by itself: a second server on the port must be told.
+void socketOptions(socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+}
+
+}  // namespace
+
+struct HttpServer::Impl {
+    httplib::Server server;
+    std::thread listener;
+};
+
+HttpServer::HttpServer(Services& services, const HttpConfig& config) : impl_(std::make_unique<Impl>()) {
+    auto& server = impl_->server;
+    server.new_task_queue = [] { return new Threads; };
+    server.set_tcp_nodelay(true);
+    server.set_socket_options(socketOptions);
+    server.set_keep_alive_max_count(1 << 30);
+    server.set_keep_alive_timeout(config.keepAliveSeconds);
+    server.set_read_timeout(60);
+    server.set_write_timeout(60);
+
+    const auto plain = [&services](const httplib::Request& in, httplib::Response& out) {
+        answer(services, in, out, nullptr);
+    };
+    const auto withBody = [&services](const httplib::Request& in, httplib::Response& out,
+                                      const httplib::ContentReader& reader) {
+        answer(services, in, out, &reader);
+    };
+    const char* const everything = "/.*";  // the routes table decides
+    server.Get(everything, plain).Options(everything, plain);
+    server.Post(everything, withBody).Put(everything, withBody).Patch(everything, withBody);
+    server.Delete(everything, withBody);
+    // Requests that the library itself refuses (a malformed head, too long a URI) get a problem as well.
+    server.set_error_handler([](const httplib::Request&, httplib::Response& out) {
+        const bool bare = out.body.empty() && !out.has_header("Content-Type") && out.status != 416;
+        if (bare) send(problemResponse(out.status, "the request cannot be read"), out);
+    });
+
+    port_ = config.port == 0 ? server.bind_to_any_port(config.host)
+                             : (server.bind_to_port(config.host, config.port) ? config.port : -1);
+    if (port_ < 0) {
+        throw Error(ErrorCode::unavailable, "cannot listen on " + config.host + ":" +
+                                                std::to_string(config.port) +
+                                                ": the port is taken, or the address is not of this machine");
+    }
+    impl_->listener = std::thread([this] { impl_->server.listen_after_bind(); });
+    while (!server.is_running()) std::this_thread::yield();
+}
+
+void HttpServer::stop() {
+    impl_->server.stop();
+}
+
+HttpServer::~HttpServer() {
+    stop();
+    impl_->listener.join();
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <semaphore>
+
+#include "server/api/event_bus.h"
+#include "server/film/frame_images.h"
+#include "server/film/result_merger.h"
+#include "server/queue/scheduler.h"
+#include "server/report/metrics.h"
+#include "server/store/blob_store.h"
+
+namespace tilefarm {
+
+struct ApiConfig {
+    std::filesystem::path folder;          // whose disk is watched
+    std::string token;                     // empty: none asked for
+    uint64_t leastFreeBytes = 1ull << 30;  // below, uploads and jobs get 507
+    uint64_t mostBlobBytes = 16ull << 30;
+    uint64_t mostJsonBytes = 16ull << 20;
+};
+
+/// What the resources work with; main wires it.
+struct Services {
+    ApiConfig config;
+    const Clock& clock;
+    JobStore& store;
+    BlobStore& blobs;
+    Scheduler& scheduler;
+    ResultMerger& merger;
+    FrameImages& images;
+    EventBus& events;
+    Metrics& metrics;
+    /// Results in memory at a time: each is up to 64 MB as sent and again as decoded.
+    std::counting_semaphore<8> uploads{4};
+
+    /// Throws Error(outOfSpace) when the disk has less than the floor and `bytes` left.
+    void requireDiskSpace(uint64_t bytes) const;
+};
+
+}  // namespace tilefarm

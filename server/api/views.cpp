@@ -1,0 +1,124 @@
+#include "server/api/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "shared/error/error.h"
+
+namespace tilefarm {
+
+using nlohmann::json;
+
+namespace {
+json maybe(const std::optional<TimePoint>& time) {
+    return time ? json(rfc3339(*time)) : json();
+}
+json maybe(const std::optional<double>& value) {
+    return value ? json(*value) : json();
+}
+}  // namespace
+
+std::string rfc3339(TimePoint time) {
+    const auto day = std::chrono::floor<std::chrono::days>(time);
+    const std::chrono::year_month_day date(day);
+    const std::chrono::hh_mm_ss clock(time - day);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", static_cast<int>(date.year()),
+                       static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                       clock.hours().count(), clock.minutes().count(), clock.seconds().count(),
+                       clock.subseconds().count());
+}
+
+std::string dump(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+// Levels at powers of two and the last: a job of a million samples has thousands of levels.
+json errorCurve(const ConstTables& t, JobKey job, int32_t frame) {
+    json curve = json::array();
+    const auto levels = t.frames.levels(job, frame);
+    const auto last =
+        std::find_if(levels.rbegin(), levels.rend(), [](const auto& l) { return l.deviceSeconds; });
+    for (const LevelRow& level : levels) {
+        if (!level.deviceSeconds || (!std::has_single_bit(level.samples) && level.samples != last->samples))
+            continue;
+        curve.push_back({{"samples", level.samples},
+                         {"relativeError", maybe(level.relativeError)},
+                         {"deviceSeconds", *level.deviceSeconds}});
+    }
+    return curve;
+}
+
+json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
+    const auto info = catalog.get(job);
+    const int32_t current = info->frame(std::min(job.framesDone, job.frames - 1));
+    return {{"id", job.id},
+            {"state", toString(job.state)},
+            {"spec", json::parse(job.specJson)},
+            {"createdAt", rfc3339(job.created)},
+            {"startedAt", maybe(job.started)},
+            {"finishedAt", maybe(job.finished)},
+            {"progress",
+             {{"passes", job.passes},
+              {"passesMerged", job.passesMerged},
+              {"fraction", static_cast<double>(job.passesMerged) / static_cast<double>(job.passes)}}},
+            {"samplesMerged", job.samplesMerged},
+            {"relativeError", maybe(job.relativeError)},
+            {"deviceSeconds", job.deviceSeconds},
+            {"droppedSamples", job.droppedSamples},
+            {"framesDone", job.framesDone},
+            {"faults", job.faults},
+            {"errorCurve", errorCurve(t, job.key, current)}};
+}
+
+json frameView(const FrameRow& frame) {
+    return {{"frame", frame.frame},
+            {"state", toString(frame.state)},
+            {"samplesMerged", frame.samplesMerged},
+            {"relativeError", maybe(frame.relativeError)},
+            {"deviceSeconds", frame.deviceSeconds},
+            {"droppedSamples", frame.droppedSamples},
+            {"passesMerged", frame.passesMerged},
+            {"revision", frame.revision}};
+}
+
+json eventView(const EventRow& event) {
+    return {{"id", event.id},
+            {"job", event.jobId.empty() ? json() : json(event.jobId)},
+            {"at", rfc3339(event.at)},
+            {"type", event.type},
+            {"data", json::parse(event.json)}};
+}
+
+json workerView(const WorkerRow& worker, double samplesPerSecond) {
+    return {{"worker", worker.hello.worker},
+            {"host", worker.hello.host},
+            {"device", worker.hello.device},
+            {"driver", worker.hello.driver},
+            {"version", worker.hello.version},
+            {"state", toString(worker.state)},
+            {"reason", worker.reason},
+            {"firstSeen", rfc3339(worker.firstSeen)},
+            {"lastSeen", rfc3339(worker.lastSeen)},
+            {"samplesPerSecond", samplesPerSecond}};
+}
+
+JobRow requireJob(const ConstTables& t, const std::string& id) {
+    if (auto job = t.jobs.find(id)) return *job;
+    throw Error(ErrorCode::notFound, "there is no job '" + id + "'");
+}
+
+int32_t frameNumber(const std::string& text) {
+    int32_t number = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (fault != std::errc{} || end != text.data() + text.size()) {
+        throw Error(ErrorCode::notFound, "'" + text + "' is no frame number");
+    }
+    return number;
+}
+
+}  // namespace tilefarm

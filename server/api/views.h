@@ -1,0 +1,27 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "server/queue/job_catalog.h"
+#include "server/store/job_store.h"
+
+namespace tilefarm {
+
+/// The API's JSON of rows.
+nlohmann::json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog);
+nlohmann::json frameView(const FrameRow& frame);
+nlohmann::json errorCurve(const ConstTables& t, JobKey job, int32_t frame);
+nlohmann::json eventView(const EventRow& event);
+nlohmann::json workerView(const WorkerRow& worker, double samplesPerSecond);
+
+/// RFC 3339 in UTC with milliseconds.
+std::string rfc3339(TimePoint time);
+/// JSON text; bytes that are no UTF-8 (a worker's message) are replaced.
+std::string dump(const nlohmann::json& json);
+
+/// The job's row, or Error(notFound).
+JobRow requireJob(const ConstTables& t, const std::string& id);
+int32_t frameNumber(const std::string& text);
+
+}  // namespace tilefarm

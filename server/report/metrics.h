@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/store/job_store.h"
+
+namespace tilefarm {
+
+/// Counters of this process and gauges read from the store, in Prometheus' text format. Any thread
+/// may call.
+class Metrics {
+public:
+    Metrics();
+    ~Metrics();
+    void leases(uint64_t granted);
+    void result(const ResultReceipt& receipt, uint64_t bytes);
+    void failures(uint64_t reported);
+    void violations(uint64_t found);
+    std::string text(const JobStore& store, size_t openLeases, TimePoint now);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tilefarm
