@@ -17,6 +17,11 @@ Scene loadGltf(const std::filesystem::path& path);
 /// in `scene.warnings`. Throws Error(invalidArgument) that names the file and the fault.
 void loadEnvironment(Scene& scene, const std::filesystem::path& path);
 
+/// Surrounds a scene that has no light at all (no environment, light or emissive surface) with white
+/// light of radiance 1 and says so in `scene.warnings`: a black image helps nobody. Call after
+/// loadEnvironment.
+void lightIfDark(Scene& scene);
+
 /// The camera that a job names: by camera or node name; "auto" is the scene's first camera, or
 /// framingCamera where it has none. Throws Error(invalidArgument) that lists the names there are.
 Camera selectCamera(const Scene& scene, const std::string& name, double imageAspect);
