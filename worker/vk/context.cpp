@@ -102,7 +102,7 @@ void rethrow(const std::string& doing) {
 }
 
 Device::Context::Context(uint32_t index, DeviceOptions options)
-    : instance(makeInstance(loader, options.validation || validationByEnvironment(), log)) {
+    : instance(makeInstance(vulkanLoader(), options.validation || validationByEnvironment(), log)) {
     if (options.validation || validationByEnvironment())
         messenger = vk::raii::DebugUtilsMessengerEXT(instance, messengerInfo(log));
     Found found = findDevice(instance, index);

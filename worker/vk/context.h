@@ -91,7 +91,6 @@ struct Device::Context {
     ~Context();
 
     ValidationLog log;  // first: outlives the instance that writes to it
-    vk::raii::Context loader;
     vk::raii::Instance instance;
     vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
     vk::raii::PhysicalDevice physical = nullptr;

@@ -11,8 +11,7 @@ std::vector<DeviceInfo> listDevices() {
     std::vector<DeviceInfo> devices;
     try {
         ValidationLog log;
-        vk::raii::Context loader;
-        const auto instance = makeInstance(loader, false, log);
+        const auto instance = makeInstance(vulkanLoader(), false, log);
         for (Found& found : findDevices(instance)) devices.push_back(std::move(found.info));
     } catch (const vk::Error&) {
         // No driver at all (incompatible driver), or none that comes up: there is nothing to list.

@@ -129,6 +129,11 @@ void useShaderCache(const std::filesystem::path& folder) {
     ::setenv("MESA_SHADER_CACHE_DIR", cacheFolder().c_str(), 0);
 }
 
+const vk::raii::Context& vulkanLoader() {
+    static const auto* loader = new vk::raii::Context;
+    return *loader;
+}
+
 vk::DebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log) {
     using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
     using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
