@@ -1,0 +1,240 @@
+#include "server/cli/cli.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/commands.h"
+#include "server/cli/job_options.h"
+#include "shared/error/error.h"
+#include "shared/job/safe_path.h"
+
+namespace tilefarm {
+
+namespace {
+
+constexpr const char* kDefaultServer = "http://127.0.0.1:8080";
+
+// All that the words may set. One object per run; the commands take what is theirs.
+struct Arguments {
+    std::string server = kDefaultServer;
+    std::string tokenFile;
+    std::string job, state;
+    bool json = false;
+    SubmitOptions submit;
+    std::filesystem::path output, input;
+    std::string frame, channel, tone = "pbrNeutral";
+    float exposure = 0;
+    CompareOptions compare;
+};
+
+std::string tokenOf(const Arguments& arguments) {
+    if (arguments.tokenFile.empty()) {
+        const char* token = std::getenv("TILEFARM_TOKEN");
+        return token ? token : "";
+    }
+    std::ifstream file(arguments.tokenFile);
+    std::string token;
+    if (!(file >> token))
+        throw Error(ErrorCode::invalidArgument,
+                    fmt::format("there is no token in '{}'", arguments.tokenFile));
+    return token;
+}
+
+ToneMapping toneOf(const Arguments& arguments) {
+    return {toneCurveFrom(arguments.tone), arguments.exposure};
+}
+
+PictureOptions pictureFor(const Arguments& arguments) {
+    PictureOptions pictures{.exr = {}, .png = {}, .tone = toneOf(arguments)};
+    const std::string name = arguments.output.string();
+    if (hasSuffix(name, ".exr"))
+        pictures.exr = arguments.output;
+    else if (hasSuffix(name, ".png"))
+        pictures.png = arguments.output;
+    else
+        throw Error(ErrorCode::invalidArgument,
+                    fmt::format("the output '{}' must end with .exr or .png", name));
+    return pictures;
+}
+
+std::optional<int32_t> frameOf(const Arguments& arguments) {
+    if (arguments.frame.empty()) return std::nullopt;
+    return framesFrom(arguments.frame).first;
+}
+
+void addTone(CLI::App& command, Arguments& a) {
+    command.add_option("--exposure", a.exposure, "stops, for the PNG")->capture_default_str();
+    command.add_option("--tone", a.tone, "tone curve of the PNG: linear, aces or pbrNeutral")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"linear", "aces", "pbrNeutral"}));
+}
+
+using Run = std::function<int()>;
+
+// A command with what it does once the words are parsed.
+CLI::App& addCommand(CLI::App& app, Run& chosen, const char* name, const char* meaning, Run run) {
+    CLI::App* command = app.add_subcommand(name, meaning);
+    command->callback([&chosen, run = std::move(run)] { chosen = run; });
+    return *command;
+}
+
+class Program {
+public:
+    explicit Program(const Console& console) : console_(console) {
+        app_.require_subcommand(1);
+        app_.fallthrough();
+        app_.set_version_flag("--version", std::string("tilefarm ") + TILEFARM_VERSION);
+        app_.add_option("--server", a_.server, "URL of the server")
+            ->envname("TILEFARM_SERVER")
+            ->capture_default_str();
+        app_.add_option("--token-file", a_.tokenFile, "file with the server's token; else TILEFARM_TOKEN");
+        addSubmit();
+        addLooks();
+        addMoves();
+        addDownload();
+        addImageTools();
+    }
+
+    int run(const std::vector<std::string>& words) {
+        try {
+            app_.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+        } catch (const CLI::ParseError& e) {
+            return app_.exit(e, console_.out, console_.err) == 0 ? kDone : kUsage;
+        }
+        return chosen_();
+    }
+
+private:
+    // Runs `work` with a connection to the server.
+    template <typename Work>
+    Run online(Work work) {
+        return [this, work] {
+            FarmClient farm(a_.server, tokenOf(a_));
+            return work(farm);
+        };
+    }
+
+    CLI::App& command(const char* name, const char* meaning, Run run) {
+        return addCommand(app_, chosen_, name, meaning, std::move(run));
+    }
+
+    void addSubmit() {
+        CLI::App& c = command("submit", "send a scene to be rendered and print the job's id",
+                              online([this](FarmClient& farm) {
+                                  a_.submit.pictures.tone = toneOf(a_);
+                                  return submit(farm, a_.submit, console_);
+                              }));
+        c.add_option("scene", a_.submit.scene, "a .gltf or .glb")->required();
+        c.add_option("--environment", a_.submit.environment, "an equirectangular .hdr or .exr");
+        addJobOptions(c, a_.submit.spec);
+        c.add_flag("--wait", a_.submit.wait, "follow the job until it ends");
+        c.add_option("-o,--output", a_.submit.pictures.exr,
+                     "wait and write the EXR here; ### is the frame's number");
+        c.add_option("--png", a_.submit.pictures.png, "wait and write a PNG here");
+        addTone(c, a_);
+    }
+
+    void addLooks() {
+        CLI::App& jobs =
+            command("jobs", "list the jobs",
+                    online([this](FarmClient& farm) { return showJobs(farm, a_.state, a_.json, console_); }));
+        jobs.add_option("--state", a_.state, "only those in this state");
+        jobs.add_flag("--json", a_.json, "as JSON");
+        CLI::App& job =
+            command("job", "show one job",
+                    online([this](FarmClient& farm) { return showJob(farm, a_.job, a_.json, console_); }));
+        job.add_option("id", a_.job, "the job")->required();
+        job.add_flag("--json", a_.json, "as JSON");
+        CLI::App& wait =
+            command("wait", "follow a job until it ends",
+                    online([this](FarmClient& farm) { return waitForJob(farm, a_.job, console_); }));
+        wait.add_option("id", a_.job, "the job")->required();
+        CLI::App& workers =
+            command("workers", "list the workers",
+                    online([this](FarmClient& farm) { return showWorkers(farm, a_.json, console_); }));
+        workers.add_flag("--json", a_.json, "as JSON");
+    }
+
+    void addMoves() {
+        for (const auto& [name, meaning, move] :
+             {std::tuple{"cancel", "end a job; what is rendered so far stays", Move::cancel},
+              {"pause", "hand out no more of a job", Move::pause},
+              {"resume", "go on with a paused job", Move::resume}}) {
+            const Move to = move;
+            command(name, meaning,
+                    online([this, to](FarmClient& farm) { return moveJob(farm, a_.job, to, console_); }))
+                .add_option("id", a_.job, "the job")
+                ->required();
+        }
+    }
+
+    void addDownload() {
+        CLI::App& c = command("download", "get a frame's picture, also while it renders",
+                              online([this](FarmClient& farm) {
+                                  return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
+                              }));
+        c.add_option("id", a_.job, "the job")->required();
+        c.add_option("--frame", a_.frame, "number of the frame; else the first");
+        c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png")->required();
+        addTone(c, a_);
+    }
+
+    void addImageTools() {
+        CLI::App& compareCommand = command("compare", "tell how far an EXR is from a reference",
+                                           [this] { return compare(a_.compare, console_); });
+        compareCommand.add_option("a", a_.compare.a, "an EXR")->required();
+        compareCommand.add_option("b", a_.compare.b, "the reference")->required();
+        compareCommand.add_flag("--json", a_.compare.json, "as JSON");
+        compareCommand.add_flag("--identical", a_.compare.identical,
+                                "fail unless every channel has the same bits");
+        compareCommand.add_option("--max-relmse", a_.compare.maxRelMse, "fail above this");
+
+        CLI::App& png = command("png", "show an EXR as a PNG", [this] {
+            return convertToPng(a_.input, a_.output, a_.channel, toneOf(a_), console_);
+        });
+        png.add_option("exr", a_.input, "an EXR")->required();
+        png.add_option("-o,--output", a_.output, "the PNG")->required();
+        png.add_option("--channel", a_.channel,
+                       "a layer (albedo, normal, variance) or channel (Z, samples) instead of the picture");
+        addTone(png, a_);
+    }
+
+    const Console& console_;
+    Arguments a_;
+    Run chosen_;
+    CLI::App app_{"Tilefarm: renders glTF scenes on many machines", "tilefarm"};
+};
+
+int report(const Error& error, const Console& console) {
+    console.err << "tilefarm: " << error.what() << '\n';
+    if (error.faults.size() > 1)
+        for (const Fault& fault : error.faults)
+            console.err << "  " << fault.pointer << ' ' << fault.message << '\n';
+    switch (error.code) {
+        case ErrorCode::unavailable: return kUnreachable;
+        case ErrorCode::invalidArgument: return kUsage;
+        default: return kFailed;
+    }
+}
+
+}  // namespace
+
+int runCli(const std::vector<std::string>& words, const Console& console) {
+    try {
+        return Program(console).run(words);
+    } catch (const Error& error) {
+        return report(error, console);
+    } catch (const nlohmann::json::exception& e) {
+        return report(
+            Error(ErrorCode::internal, fmt::format("the server's answer is not as agreed: {}", e.what())),
+            console);
+    } catch (const std::exception& e) {
+        return report(Error(ErrorCode::internal, e.what()), console);
+    }
+}
+
+}  // namespace tilefarm

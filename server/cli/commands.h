@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "server/cli/console.h"
+#include "shared/farm_client/farm_client.h"
+#include "shared/image/tone.h"
+#include "shared/job/job.h"
+
+namespace tilefarm {
+
+/// Every command gives an exit code and throws Error, which cli.cpp turns into a message and a code.
+
+struct PictureOptions {
+    std::filesystem::path exr, png;  // empty: not wanted
+    ToneMapping tone;                // of the PNG
+};
+
+// ---- submit.cpp
+
+struct SubmitOptions {
+    JobSpec spec;  // all but the scene's files
+    std::filesystem::path scene, environment;
+    bool wait = false;
+    PictureOptions pictures;  // wanted ones make it wait
+};
+
+/// Hashes the scene's files, uploads those the server lacks, makes the job and prints its id; waits
+/// for its end and downloads the pictures if asked to.
+int submit(FarmClient& farm, const SubmitOptions& options, const Console& console);
+/// Follows a job with a progress line until it ends; rides out a server that restarts.
+int waitForJob(FarmClient& farm, const std::string& id, const Console& console);
+
+// ---- download.cpp
+
+/// Downloads the pictures of one frame.
+void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const PictureOptions& pictures,
+                   const Console& console);
+/// By default the job's first frame.
+int download(FarmClient& farm, const std::string& id, std::optional<int32_t> frame,
+             const PictureOptions& pictures, const Console& console);
+/// The file for one frame of several: a run of '#' is its number, else the number stands before the suffix.
+std::filesystem::path numbered(const std::filesystem::path& path, int32_t frame);
+
+// ---- show.cpp
+
+int showJobs(FarmClient& farm, const std::string& state, bool json, const Console& console);
+int showJob(FarmClient& farm, const std::string& id, bool json, const Console& console);
+int showWorkers(FarmClient& farm, bool json, const Console& console);
+enum class Move { cancel, pause, resume };
+int moveJob(FarmClient& farm, const std::string& id, Move move, const Console& console);
+
+// ---- compare.cpp
+
+struct CompareOptions {
+    std::filesystem::path a, b;
+    bool json = false;
+    bool identical = false;           // fail unless every channel has the same bits
+    std::optional<double> maxRelMse;  // fail above
+};
+int compare(const CompareOptions& options, const Console& console);
+
+/// Shows an EXR as a PNG: its picture, or a layer ("albedo", "normal", "variance") or channel ("Z").
+int convertToPng(const std::filesystem::path& exr, const std::filesystem::path& png,
+                 const std::string& channel, const ToneMapping& tone, const Console& console);
+
+}  // namespace tilefarm

@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+
+#include "server/cli/commands.h"
+#include "shared/farm_client/http_status.h"
+
+namespace tilefarm {
+
+namespace {
+
+using nlohmann::json;
+
+// A member as text; "-" where it is absent or null.
+std::string cell(const json& object, const char* name) {
+    const auto found = object.find(name);
+    if (found == object.end() || found->is_null()) return "-";
+    if (found->is_number_float()) return fmt::format("{:.4g}", found->get<double>());
+    return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+std::string percent(const json& view) {
+    return fmt::format("{:.0f} %", 100 * view.value("/progress/fraction"_json_pointer, 0.0));
+}
+
+// Names come from outside: what could drive a terminal is shown as '?'.
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return text;
+}
+
+using Row = std::vector<std::string>;
+
+void printTable(const std::vector<Row>& rows, std::ostream& out) {
+    std::vector<size_t> widths;
+    for (const Row& row : rows)
+        for (size_t i = 0; i < row.size(); ++i) {
+            widths.resize(std::max(widths.size(), i + 1));
+            widths[i] = std::max(widths[i], row[i].size());
+        }
+    for (const Row& row : rows) {
+        std::string line;
+        for (size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", printable(row[i]), widths[i]);
+        out << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
+    }
+}
+
+// All pages of the list.
+json allJobs(FarmClient& farm, const std::string& state) {
+    json all = json::array();
+    const std::string filter = state.empty() ? "limit=500" : "limit=500&state=" + percentEncoded(state);
+    std::string query = filter;
+    while (true) {
+        const json page = farm.jobs(query);
+        for (const json& view : page.at("jobs")) all.push_back(view);
+        if (!page.contains("next") || !page["next"].is_string()) return all;
+        query = filter + "&cursor=" + percentEncoded(page["next"].get<std::string>());
+    }
+}
+
+void printJob(const json& view, std::ostream& out) {
+    const json& spec = view.at("spec");
+    const json &image = spec.at("image"), &frames = spec.at("frames");
+    out << fmt::format("job {}  {}  {}\n", cell(view, "id"), cell(view, "state"),
+                       printable(cell(spec, "name")));
+    out << fmt::format("  scene           {}, camera {}\n", printable(cell(spec.at("scene"), "entry")),
+                       printable(cell(spec, "camera")));
+    out << fmt::format("  image           {} x {}, {} samples, {} frames from {}\n", cell(image, "width"),
+                       cell(image, "height"), cell(spec.at("stop"), "samples"), cell(frames, "count"),
+                       cell(frames, "first"));
+    out << fmt::format("  progress        {}, {} samples of the current frame\n", percent(view),
+                       cell(view, "samplesMerged"));
+    out << fmt::format("  relative error  {}\n", cell(view, "relativeError"));
+    out << fmt::format("  device seconds  {}\n", cell(view, "deviceSeconds"));
+    out << fmt::format("  dropped samples {}\n", cell(view, "droppedSamples"));
+    out << fmt::format("  created         {}\n  started         {}\n  finished        {}\n",
+                       cell(view, "createdAt"), cell(view, "startedAt"), cell(view, "finishedAt"));
+    if (const json curve = view.value("errorCurve", json::array()); !curve.empty()) {
+        std::vector<Row> rows{{"  samples", "relative error", "device seconds"}};
+        for (const json& point : curve)
+            rows.push_back(
+                {"  " + cell(point, "samples"), cell(point, "relativeError"), cell(point, "deviceSeconds")});
+        printTable(rows, out);
+    }
+    for (const json& fault : view.value("faults", json::array()))
+        out << "  fault: " << printable(fault.is_string() ? fault.get<std::string>() : fault.dump()) << '\n';
+}
+
+}  // namespace
+
+int showJobs(FarmClient& farm, const std::string& state, bool asJson, const Console& console) {
+    const json jobs = allJobs(farm, state);
+    if (asJson) {
+        console.out << jobs.dump(2) << '\n';
+        return kDone;
+    }
+    std::vector<Row> rows{{"JOB", "STATE", "DONE", "ERROR", "CREATED", "NAME"}};
+    for (const json& view : jobs)
+        rows.push_back({cell(view, "id"), cell(view, "state"), percent(view), cell(view, "relativeError"),
+                        cell(view, "createdAt"), cell(view.at("spec"), "name")});
+    printTable(rows, console.out);
+    return kDone;
+}
+
+int showJob(FarmClient& farm, const std::string& id, bool asJson, const Console& console) {
+    const json view = farm.job(id);
+    if (asJson)
+        console.out << view.dump(2) << '\n';
+    else
+        printJob(view, console.out);
+    return kDone;
+}
+
+int showWorkers(FarmClient& farm, bool asJson, const Console& console) {
+    const json answer = farm.workers();
+    if (asJson) {
+        console.out << answer.at("workers").dump(2) << '\n';
+        return kDone;
+    }
+    std::vector<Row> rows{{"WORKER", "STATE", "HOST", "DEVICE", "SAMPLES/S", "LAST SEEN"}};
+    for (const json& worker : answer.at("workers"))
+        rows.push_back({cell(worker, "worker"), cell(worker, "state"), cell(worker, "host"),
+                        cell(worker, "device"), cell(worker, "samplesPerSecond"), cell(worker, "lastSeen")});
+    printTable(rows, console.out);
+    return kDone;
+}
+
+int moveJob(FarmClient& farm, const std::string& id, Move move, const Console& console) {
+    const json view = move == Move::cancel  ? farm.cancel(id)
+                      : move == Move::pause ? farm.pause(id)
+                                            : farm.resume(id);
+    console.out << fmt::format("job {} is {}\n", id, cell(view, "state"));
+    return kDone;
+}
+
+}  // namespace tilefarm

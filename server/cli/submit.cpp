@@ -1,0 +1,111 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "server/cli/commands.h"
+#include "server/cli/progress.h"
+#include "server/cli/scene_bundle.h"
+#include "shared/error/error.h"
+#include "shared/job/states.h"
+#include "shared/job/wire.h"
+
+namespace tilefarm {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr Milliseconds kPollInterval{500};
+constexpr Milliseconds kServerMayBeAway{120'000};
+
+void uploadMissing(FarmClient& farm, const BundledScene& scene, const Console& console) {
+    std::vector<std::string> digests;
+    for (const auto& [digest, file] : scene.blobs) digests.push_back(digest);
+    const std::vector<std::string> missing = farm.missingBlobs(digests);
+    for (size_t i = 0; i < missing.size(); ++i) {
+        const auto blob = scene.blobs.find(missing[i]);
+        if (blob == scene.blobs.end())
+            throw Error(ErrorCode::internal, "the server asks for a blob that is not of this scene");
+        const auto megabytes = static_cast<double>(std::filesystem::file_size(blob->second)) / 1e6;
+        console.err << fmt::format("uploading {} of {}: {} ({:.1f} MB)\n", i + 1, missing.size(),
+                                   blob->second.filename().string(), megabytes)
+                    << std::flush;
+        farm.putBlob(blob->first, blob->second);
+    }
+}
+
+JobProgress progressOf(const json& view) {
+    JobProgress p;
+    p.state = view.at("state");
+    p.fraction = view.at("progress").at("fraction");
+    p.samples = view.at("samplesMerged");
+    p.samplesWanted = view.at("spec").at("stop").at("samples");
+    p.frames = view.at("spec").at("frames").at("count");
+    p.framesDone = view.value("framesDone", 0u);
+    if (const auto error = view.find("relativeError"); error != view.end() && error->is_number())
+        p.relativeError = error->get<double>();
+    return p;
+}
+
+int reportEnd(const json& view, const Console& console) {
+    const std::string state = view.at("state");
+    if (state == "completed") return kDone;
+    console.err << fmt::format("the job is {}\n", state);
+    for (const json& fault : view.value("faults", json::array()))
+        console.err << "  " << (fault.is_string() ? fault.get<std::string>() : fault.dump()) << '\n';
+    return kFailed;
+}
+
+}  // namespace
+
+int waitForJob(FarmClient& farm, const std::string& id, const Console& console) {
+    json view;
+    {
+        ProgressLine line(console);
+        TimePoint heard = console.clock.now();
+        bool away = false;
+        while (true) {
+            try {
+                view = farm.job(id);
+                heard = console.clock.now();
+                away = false;
+                line.show(progressOf(view));
+                if (isFinal(jobStateFrom(view.at("state").get<std::string>()))) break;
+            } catch (const Error& e) {
+                if (e.code != ErrorCode::unavailable || console.clock.now() - heard > kServerMayBeAway) throw;
+                if (!std::exchange(away, true)) line.note(fmt::format("{}; trying again", e.what()));
+            }
+            console.sleep(kPollInterval);
+        }
+    }
+    return reportEnd(view, console);
+}
+
+int submit(FarmClient& farm, const SubmitOptions& options, const Console& console) {
+    const BundledScene scene = bundleScene(options.scene, options.environment);
+    JobSpec spec = options.spec;
+    spec.scene = scene.bundle;
+    if (spec.name.empty()) spec.name = options.scene.stem().string();
+    jobFromJson(toJson(spec));  // every fault now, before anything is sent
+
+    uploadMissing(farm, scene, console);
+    const std::string id = farm.submit(spec).at("id");
+    console.out << id << std::endl;
+    const PictureOptions& wanted = options.pictures;
+    if (!options.wait && wanted.exr.empty() && wanted.png.empty()) return kDone;
+
+    if (const int code = waitForJob(farm, id, console); code != kDone) return code;
+    for (uint32_t i = 0; i < spec.frames.count; ++i) {
+        const int32_t frame = spec.frames.first + static_cast<int32_t>(i);
+        PictureOptions pictures = wanted;
+        if (spec.frames.count > 1) {
+            if (!wanted.exr.empty()) pictures.exr = numbered(wanted.exr, frame);
+            if (!wanted.png.empty()) pictures.png = numbered(wanted.png, frame);
+        }
+        downloadFrame(farm, id, frame, pictures, console);
+    }
+    return kDone;
+}
+
+}  // namespace tilefarm
