@@ -1,0 +1,82 @@
+#include "worker/agent/device_backend.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "shared/error/error.h"
+#include "worker/scene/load.h"
+
+namespace tilefarm {
+namespace {
+
+SceneCounts countsOf(const Scene& scene) {
+    SceneCounts counts;
+    counts.instances = scene.instances.size();
+    counts.lights = scene.lights.size();
+    counts.materials = scene.materials.size();
+    counts.images = scene.images.size();
+    counts.degenerateTriangles = scene.degenerateTriangles;
+    return counts;
+}
+
+class DeviceBackend : public RenderBackend {
+public:
+    DeviceBackend(uint32_t index, gpu::DeviceOptions options) : index_(index), options_(options) {
+        device_.emplace(index_, options_);
+        name_ = {device_->info().name, device_->info().driver};
+    }
+
+    DeviceName device() const override { return name_; }
+
+    PreparedScene prepare(const JobSpec& spec, const SceneFiles& files) override {
+        renderer_.reset();
+        if (!device_) device_.emplace(index_, options_);
+        const auto begin = std::chrono::steady_clock::now();
+        Scene scene = loadGltf(files.entry);
+        if (!files.environment.empty()) loadEnvironment(scene, files.environment);
+        const double aspect = static_cast<double>(spec.image.width) / spec.image.height;
+        const Camera camera = selectCamera(scene, spec.camera, aspect);
+        const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;
+
+        renderer_.emplace(*device_, scene, camera, spec.image, spec.settings);
+        PreparedScene prepared;
+        prepared.counts = countsOf(scene);
+        prepared.counts.triangles = renderer_->triangleCount();
+        prepared.warnings = std::move(scene.warnings);
+        prepared.features = renderer_->features();
+        prepared.loadSeconds = loading.count();
+        prepared.times = renderer_->prepareTimes();
+        return prepared;
+    }
+
+    std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles,
+                                 SampleRange samples) override {
+        if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        return renderer_->render(frame, tiles, samples);
+    }
+
+    RenderStats stats() const override { return renderer_ ? renderer_->stats() : RenderStats{}; }
+
+    void drop() override { renderer_.reset(); }
+
+    void reset() override {
+        renderer_.reset();
+        device_.reset();
+    }
+
+private:
+    uint32_t index_;
+    gpu::DeviceOptions options_;
+    DeviceName name_;
+    std::optional<gpu::Device> device_;  // outlives the renderer
+    std::optional<Renderer> renderer_;
+};
+
+}  // namespace
+
+std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options) {
+    return std::make_unique<DeviceBackend>(device, options);
+}
+
+}  // namespace tilefarm

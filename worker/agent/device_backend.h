@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "worker/agent/render_backend.h"
+#include "worker/vk/device.h"
+
+namespace tilefarm {
+
+/// RenderBackend on a Vulkan device. Throws as gpu::Device does.
+std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options = {});
+
+}  // namespace tilefarm
