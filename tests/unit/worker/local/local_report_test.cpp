@@ -1,0 +1,65 @@
+#include "worker/local/local_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace tilefarm {
+namespace {
+
+struct LocalReportTest : testing::Test {
+    LocalReportTest() {
+        spec.scene = {
+            "a.gltf", {{"a.gltf", std::string(64, 'a')}, {"sky.hdr", std::string(64, 'b')}}, "sky.hdr"};
+        scene.counts = {12, 3, 1, 2, 4, 5};
+        scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
+        scene.features = {{"environment"}, {"textures"}};
+        scene.loadSeconds = 0.5;
+        frame.stats = {2.0, 1000, 4000, 7};
+        frame.seconds = 2.5;
+        frame.errorCurve = {{1, std::nullopt, 0.5}, {2, 0.25, 2.0}};
+    }
+    JobSpec spec;
+    DeviceName device{"Fake", "fake 1.0"};
+    PreparedScene scene;
+    RenderedFrame frame;
+};
+
+TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
+    const nlohmann::json report = localReport(spec, device, scene, frame);
+    EXPECT_EQ(report["scene"]["files"]["sky.hdr"], std::string(64, 'b'));
+    EXPECT_EQ(report["scene"]["triangles"], 12);
+    EXPECT_EQ(report["scene"]["degenerateTriangles"], 5);
+    EXPECT_EQ(report["device"], "Fake");
+    EXPECT_EQ(report["image"]["tileSize"], 128);
+    EXPECT_EQ(report["settings"]["maxBounces"], 8);
+    EXPECT_EQ(report["features"]["leftOut"][0], "textures");
+    EXPECT_EQ(report["warnings"][0]["where"], "materials/3 (Cloth)");
+    EXPECT_EQ(report["prepare"]["loadSeconds"], 0.5);
+    EXPECT_EQ(report["samplesPerSecond"], 500.0);
+    EXPECT_EQ(report["raysPerSecond"], 2000.0);
+    EXPECT_EQ(report["droppedSamples"], 7);
+    EXPECT_EQ(report["errorCurve"][0]["relativeError"], nullptr);
+    EXPECT_EQ(report["errorCurve"][1]["relativeError"], 0.25);
+    EXPECT_EQ(report["relativeError"], 0.25);
+}
+
+TEST_F(LocalReportTest, ADeviceWithoutSecondsHasNoSpeed) {
+    frame.stats.deviceSeconds = 0;
+    EXPECT_EQ(localReport(spec, device, scene, frame)["raysPerSecond"], 0.0);
+}
+
+TEST_F(LocalReportTest, AttributesSayHowAPictureCanBeMadeAgain) {
+    const ImageAttributes attributes = localAttributes(spec, device, frame);
+    EXPECT_EQ(attributes.at("job"), "local");
+    EXPECT_EQ(attributes.at("devices"), "Fake");
+    EXPECT_EQ(attributes.at("scene").size(), 64u);
+    EXPECT_EQ(nlohmann::json::parse(attributes.at("settings"))["stop"]["samples"], 64);
+    JobSpec other = spec;
+    other.scene.files["sky.hdr"] = std::string(64, 'c');
+    EXPECT_NE(localAttributes(other, device, frame).at("scene"), attributes.at("scene"));
+}
+
+}  // namespace
+}  // namespace tilefarm

@@ -1,0 +1,156 @@
+#include "worker/config.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#include "shared/error/error.h"
+
+namespace fs = std::filesystem;
+
+namespace tilefarm {
+namespace {
+
+fs::path defaultCache() {
+    if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder)
+        return fs::path(folder) / "tilefarm";
+    if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "tilefarm";
+    return fs::temp_directory_path() / "tilefarm-cache";
+}
+
+std::string firstLineOf(const fs::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    if (!std::getline(in, line) || line.empty())
+        throw CLI::ValidationError("--token-file",
+                                   file.string() + " cannot be read or begins with an empty line");
+    while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
+    return line;
+}
+
+// What the options are read into before they are made sense of.
+struct Words {
+    std::string device, tokenFile, tone = "pbrNeutral";
+    double cacheGb = 20;
+    int32_t frame = 0;
+};
+
+DeviceChoice deviceFrom(const std::string& word) {
+    if (word.empty()) return {};
+    if (word == "all") return {std::nullopt, true};
+    if (word.size() > 6 || word.find_first_not_of("0123456789") != std::string::npos)
+        throw CLI::ValidationError("--device", "'" + word + "' is neither a number nor 'all'");
+    return {static_cast<uint32_t>(std::stoul(word)), false};
+}
+
+CLI::Option* addDevice(CLI::App& app, Words& words, const char* about) {
+    return app.add_option("--device", words.device, about);
+}
+
+void addAgentOptions(CLI::App& app, AgentConfig& agent, Words& words) {
+    app.add_option("--server", agent.server, "URL of the server, like http://host:8700");
+    addDevice(app, words,
+              "number of a device as 'tilefarm-worker devices' lists it, or 'all': every GPU "
+              "(the software device where there is none); by default the best one");
+    app.add_option("--token-file", words.tokenFile, "file with the server's token in its first line");
+    app.add_option("--cache-limit", words.cacheGb, "GB of scene files to keep")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1e6));
+    app.add_option("--name", agent.name, "what the farm calls this worker; by default the host's name");
+    app.add_option("--want-seconds", agent.wantSeconds, "seconds of work to ask for at a time")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 600.0));
+}
+
+void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
+    JobSpec& spec = config.render.spec;
+    app.add_option("scene", config.render.files.entry, ".gltf or .glb")->required();
+    app.add_option("-o,--output", config.render.exr, "EXR file to write")->required();
+    app.add_option("--png", config.render.png, "PNG file to write as well");
+    app.add_option("--report", config.render.report, "JSON file for what was measured");
+    app.add_option("--width", spec.image.width, "pixels")->capture_default_str();
+    app.add_option("--height", spec.image.height, "pixels")->capture_default_str();
+    app.add_option("--tile-size", spec.image.tileSize, "pixels, a multiple of 8; never changes the picture")
+        ->capture_default_str();
+    app.add_option("--samples", spec.stop.samples, "per pixel")->capture_default_str();
+    app.add_option("--seed", spec.settings.seed, "of the random numbers")->capture_default_str();
+    app.add_option("--max-bounces", spec.settings.maxBounces, "surface scatterings after the camera ray")
+        ->capture_default_str();
+    app.add_option("--roulette-start", spec.settings.rouletteStart, "bounces before Russian roulette")
+        ->capture_default_str();
+    app.add_option("--environment", config.render.files.environment, "equirectangular .hdr or .exr");
+    app.add_option("--camera", spec.camera, "name of a camera or its node, or 'auto'")->capture_default_str();
+    app.add_option("--frame", words.frame, "number of the frame")->capture_default_str();
+    app.add_option("--exposure", config.render.tone.exposure, "stops, for the PNG")->capture_default_str();
+    app.add_option("--tone", words.tone, "linear, aces or pbrNeutral, for the PNG")->capture_default_str();
+    addDevice(app, words, "number of a device as 'tilefarm-worker devices' lists it");
+    app.add_flag("--validation", config.validation, "with Vulkan's validation layers");
+}
+
+AgentConfig finished(AgentConfig agent, const Words& words) {
+    if (agent.server.empty()) throw CLI::RequiredError("--server");
+    agent.device = deviceFrom(words.device);
+    if (!words.tokenFile.empty()) agent.token = firstLineOf(words.tokenFile);
+    agent.cacheBytes = static_cast<uint64_t>(words.cacheGb * 1e9);
+    return agent;
+}
+
+RenderConfig finished(RenderConfig config, const Words& words) {
+    config.device = deviceFrom(words.device);
+    if (config.device.all) throw CLI::ValidationError("--device", "a local render uses one device");
+    config.render.spec.frames = {words.frame, 1};
+    try {
+        config.render.tone.curve = toneCurveFrom(words.tone);
+    } catch (const Error& error) {
+        throw CLI::ValidationError("--tone", error.what());
+    }
+    try {
+        requireValid(config.render);
+    } catch (const Error& error) {
+        std::string faults;
+        for (const Fault& fault : error.faults)
+            faults += (faults.empty() ? "" : "\n        ") + fault.pointer + " " + fault.message;
+        throw CLI::ValidationError("render", faults);
+    }
+    return config;
+}
+
+}  // namespace
+
+std::variant<WorkerConfig, ExitNow> parseCommandLine(int argc, const char* const* argv) {
+    WorkerConfig config;
+    AgentConfig agent;
+    RenderConfig render;
+    DevicesConfig devices;
+    Words words;
+    config.cache = defaultCache();
+
+    CLI::App app("Tilefarm's worker: renders for a server, or right here.", "tilefarm-worker");
+    app.set_version_flag("--version", TILEFARM_VERSION);
+    app.require_subcommand(0, 1);
+    app.fallthrough();
+    app.add_option("--cache", config.cache, "folder for scene files, compiled kernels and waiting results")
+        ->capture_default_str();
+    app.add_flag("--verbose", config.verbose, "log more");
+    addAgentOptions(app, agent, words);
+    CLI::App* renderCommand = app.add_subcommand("render", "Renders a scene from this disk, with no server");
+    addRenderOptions(*renderCommand, render, words);
+    CLI::App* devicesCommand = app.add_subcommand("devices", "Lists the Vulkan devices of this machine");
+    devicesCommand->add_flag("--json", devices.json, "as JSON");
+    try {
+        app.parse(argc, argv);
+        if (renderCommand->parsed())
+            config.command = finished(std::move(render), words);
+        else if (devicesCommand->parsed())
+            config.command = devices;
+        else
+            config.command = finished(std::move(agent), words);
+    } catch (const CLI::ParseError& error) {
+        return ExitNow{app.exit(error) == 0 ? 0 : 2};
+    }
+    return config;
+}
+
+}  // namespace tilefarm

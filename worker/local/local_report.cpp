@@ -1,0 +1,104 @@
+#include "worker/local/local_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/digest/digest.h"
+#include "shared/job/wire.h"
+
+namespace tilefarm {
+namespace {
+
+using nlohmann::json;
+
+json maybe(const std::optional<double>& value) {
+    return value ? json(*value) : json();
+}
+
+json sceneJson(const JobSpec& spec, const PreparedScene& scene) {
+    const SceneCounts& counts = scene.counts;
+    return {{"entry", spec.scene.entry},
+            {"files", spec.scene.files},
+            {"environment", spec.scene.environment},
+            {"triangles", counts.triangles},
+            {"instances", counts.instances},
+            {"lights", counts.lights},
+            {"materials", counts.materials},
+            {"images", counts.images},
+            {"degenerateTriangles", counts.degenerateTriangles}};
+}
+
+json warningsJson(const PreparedScene& scene) {
+    json list = json::array();
+    for (const SceneWarning& w : scene.warnings)
+        list.push_back({{"feature", w.feature}, {"where", w.where}, {"instead", w.instead}});
+    return list;
+}
+
+json curveJson(const RenderedFrame& frame) {
+    json curve = json::array();
+    for (const ErrorPoint& point : frame.errorCurve)
+        curve.push_back({{"samples", point.samples},
+                         {"relativeError", maybe(point.relativeError)},
+                         {"deviceSeconds", point.deviceSeconds}});
+    return curve;
+}
+
+double perSecond(uint64_t count, double seconds) {
+    return seconds > 0 ? static_cast<double>(count) / seconds : 0;
+}
+
+}  // namespace
+
+json localReport(const JobSpec& spec, const DeviceName& device, const PreparedScene& scene,
+                 const RenderedFrame& frame) {
+    const json specJson = toJson(spec);
+    const RenderStats& stats = frame.stats;
+    return {
+        {"version", TILEFARM_VERSION},
+        {"scene", sceneJson(spec, scene)},
+        {"device", device.name},
+        {"driver", device.driver},
+        {"image", specJson.at("image")},
+        {"settings", specJson.at("settings")},
+        {"camera", spec.camera},
+        {"frame", spec.frames.first},
+        {"features", {{"used", scene.features.used}, {"leftOut", scene.features.leftOut}}},
+        {"warnings", warningsJson(scene)},
+        {"prepare",
+         {{"loadSeconds", scene.loadSeconds},
+          {"bvhSeconds", scene.times.bvhSeconds},
+          {"uploadSeconds", scene.times.uploadSeconds},
+          {"pipelineSeconds", scene.times.pipelineSeconds}}},
+        {"seconds", frame.seconds},
+        {"deviceSeconds", stats.deviceSeconds},
+        {"samples", stats.samples},
+        {"rays", stats.rays},
+        {"samplesPerSecond", perSecond(stats.samples, stats.deviceSeconds)},
+        {"raysPerSecond", perSecond(stats.rays, stats.deviceSeconds)},
+        {"droppedSamples", stats.droppedSamples},
+        {"samplesPerPixel", spec.stop.samples},
+        {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
+        {"errorCurve", curveJson(frame)}};
+}
+
+ImageAttributes localAttributes(const JobSpec& spec, const DeviceName& device, const RenderedFrame& frame) {
+    const json specJson = toJson(spec);
+    const auto& curve = frame.errorCurve;
+    const bool known = !curve.empty() && curve.back().relativeError;
+    return {{"job", "local"},
+            {"frame", fmt::to_string(spec.frames.first)},
+            {"scene", sha256Hex(specJson.at("scene").dump())},
+            {"settings", specJson.dump()},
+            {"samples", fmt::to_string(spec.stop.samples)},
+            {"devices", device.name},
+            {"drivers", device.driver},
+            {"deviceSeconds", fmt::format("{:.6f}", frame.stats.deviceSeconds)},
+            {"droppedSamples", fmt::to_string(frame.stats.droppedSamples)},
+            {"relativeError", known ? fmt::format("{:.6f}", *curve.back().relativeError) : ""},
+            {"renderer", "Tilefarm " TILEFARM_VERSION},
+            {"state", "complete"}};
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,108 @@
+#include "worker/local/render_command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "shared/error/error.h"
+#include "shared/file/durable_file.h"
+#include "shared/image/png.h"
+#include "shared/job/wire.h"
+#include "worker/local/local_report.h"
+#include "worker/local/scene_bundle.h"
+
+namespace fs = std::filesystem;
+
+namespace tilefarm {
+namespace {
+
+void requireFolderOf(const fs::path& file) {
+    if (file.empty()) return;
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    if (!fs::is_directory(folder) || access(folder.c_str(), W_OK) != 0)
+        throw Error(ErrorCode::notFound, fmt::format("cannot write {}: {} is no folder to write in",
+                                                     file.string(), folder.string()));
+}
+
+std::string timeText(double seconds) {
+    const auto whole = static_cast<uint64_t>(seconds + 0.5);
+    if (whole < 60) return fmt::format("{} s", whole);
+    if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+    return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+std::string lineFor(const FrameProgress& p) {
+    const double share = static_cast<double>(p.samplesDone) / static_cast<double>(p.samplesInAll);
+    std::string line = fmt::format("{:5.1f} %  {} samples", 100 * share, p.last.samples);
+    if (p.last.relativeError) line += fmt::format("  relative error {:.4f}", *p.last.relativeError);
+    line += fmt::format("  {} passed", timeText(p.seconds));
+    if (p.samplesDone < p.samplesInAll) line += fmt::format(", {} left", timeText(p.secondsLeft));
+    return line;
+}
+
+class ProgressLine {
+public:
+    explicit ProgressLine(std::FILE* out) : out_(out), terminal_(isatty(fileno(out)) != 0) {}
+    void show(const FrameProgress& progress) {
+        const bool last = progress.samplesDone == progress.samplesInAll;
+        if (terminal_)
+            fmt::print(out_, "\r{}\033[K{}", lineFor(progress), last ? "\n" : "");
+        else if (progress.wholeLevel)
+            fmt::print(out_, "{}\n", lineFor(progress));
+        std::fflush(out_);
+    }
+
+private:
+    std::FILE* out_;
+    bool terminal_;
+};
+
+FloatImage colourOf(const ImageSpec& image, const std::vector<FilmTile>& tiles) {
+    FloatImage picture{image.width, image.height, {"R", "G", "B"}, {}};
+    picture.planes.assign(3, std::vector<float>(picture.pixelCount()));
+    for (const FilmTile& tile : tiles)
+        for (uint32_t i = 0; i < tile.pixels.size(); ++i) {
+            const uint32_t x = tile.rect.x + i % tile.rect.width, y = tile.rect.y + i / tile.rect.width;
+            for (size_t c = 0; c < 3; ++c)
+                picture.planes[c][size_t{y} * image.width + x] = static_cast<float>(tile.pixels[i].mean[c]);
+        }
+    return picture;
+}
+
+}  // namespace
+
+void requireValid(const LocalRender& render) {
+    JobSpec checked = render.spec;
+    checked.scene = {
+        "scene.gltf", {{"scene.gltf", std::string(64, '0')}}, ""};  // its files are looked at later
+    jobFromJson(toJson(checked));
+}
+
+void runLocalRender(const LocalRender& render, const std::function<std::unique_ptr<RenderBackend>()>& backend,
+                    const Clock& clock, std::FILE* progress) {
+    requireValid(render);
+    for (const fs::path& output : {render.exr, render.png, render.report}) requireFolderOf(output);
+    JobSpec spec = render.spec;
+    spec.scene = bundleOf(render.files);
+
+    const auto device = backend();
+    const PreparedScene scene = device->prepare(spec, render.files);
+    for (const SceneWarning& w : scene.warnings)
+        fmt::print(progress, "warning: {}: {}: {}\n", w.where, w.feature, w.instead);
+    ProgressLine line(progress);
+    const RenderedFrame frame =
+        renderFrame(*device, spec, spec.frames.first, clock, [&](const FrameProgress& p) { line.show(p); });
+    if (frame.stats.droppedSamples > 0)
+        fmt::print(progress, "warning: {} samples were not finite and were dropped\n",
+                   frame.stats.droppedSamples);
+
+    writeFrameExr(
+        render.exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
+        localAttributes(spec, device->device(), frame));
+    if (!render.png.empty()) writePng(render.png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
+    if (!render.report.empty())
+        writeDurably(render.report, localReport(spec, device->device(), scene, frame).dump(2) + "\n");
+}
+
+}  // namespace tilefarm
