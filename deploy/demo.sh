@@ -43,33 +43,16 @@ build() {
     fi
 }
 
-# Draws one line over itself on a terminal, a line for every tenth elsewhere.
-progress_bar() {
-    local percent=$1 note=$2 full
-    full=$((percent * 40 / 100))
-    if [ -t 2 ]; then
-        printf '\r[%s%s] %3d %%  %s   ' "$(printf '%*s' "$full" '' | tr ' ' '#')" "$(printf '%*s' $((40 - full)) '' | tr ' ' '.')" \
-            "$percent" "$note" >&2
-        [ "$percent" -lt 100 ] || printf '\n' >&2
-    elif [ $((percent / 10)) -ne "${progress_shown:--1}" ]; then
-        progress_shown=$((percent / 10))
-        farm_say "$percent %  $note"
-    fi
-}
-
+# The client draws the bar; meanwhile this looks after the workers.
 wait_for_job() {
-    local state percent merged error seconds
-    while :; do
-        read -r state percent merged error seconds < <(farm_get "/v1/jobs/$job" \
-            '"{state} {0:.0f} {samplesMerged} {1:.4f} {deviceSeconds:.1f}".format(100 * answer["progress"]["fraction"], answer["relativeError"] or 0, **{k: answer[k] for k in ("state", "samplesMerged", "deviceSeconds")})')
-        progress_bar "$percent" "$merged of $samples samples, relative error $error, $seconds device seconds"
-        case $state in
-            completed) return ;;
-            failed | canceled) farm_get "/v1/jobs/$job" '"\n".join(answer["faults"])' >&2; farm_fail "the job is $state" ;;
-        esac
-        farm_check_workers "$work"
+    "$farm_bin/tilefarm" --server "$farm_url" wait "$job" &
+    local client=$!
+    farm_pids+=("$client")
+    while farm_running "$client"; do
+        farm_check_workers "$work" "$workers"
         sleep 0.5
     done
+    wait "$client" || farm_fail "job $job did not complete"
 }
 
 build
@@ -81,12 +64,12 @@ farm_say "server at $farm_url, $workers workers, data in $work"
 submit=("$farm_bin/tilefarm" --server "$farm_url" submit "$scene" --name "$name" --width "$width" --height "$height"
     --samples "$samples" --max-bounces "$bounces")
 if [ -n "$environment" ]; then submit+=(--environment "$environment"); fi
-job=$("${submit[@]}" | tail -n 1)
+job=$("${submit[@]}") || farm_fail "the job was not taken"
 farm_say "job $job: $name, $width x $height, $samples samples per pixel"
 wait_for_job
 
 "$farm_bin/tilefarm" --server "$farm_url" download "$job" -o "$out/$name.exr"
-curl -fsS -o "$out/$name.png" "$farm_url/v1/jobs/$job/frames/0/image.png?exposure=$exposure&tone=$tone"
-curl -fsS -o "$out/$name.job.json" "$farm_url/v1/jobs/$job"
+"$farm_bin/tilefarm" --server "$farm_url" download "$job" -o "$out/$name.png" --exposure "$exposure" --tone "$tone"
+"$farm_bin/tilefarm" --server "$farm_url" job "$job" --json >"$out/$name.job.json"
 python3 "$farm_root/deploy/summary.py" "$out/$name.job.json"
-printf '\nEXR     %s\nPNG     %s\nreport  %s\n' "$out/$name.exr" "$out/$name.png" "$out/$name.job.json"
+printf '\nEXR  %s\nPNG  %s\njob  %s\n' "$out/$name.exr" "$out/$name.png" "$out/$name.job.json"

@@ -91,10 +91,10 @@ farm_start() {
 # farm_get PATH EXPRESSION: a value out of a JSON answer, `answer` in the expression being the parsed body.
 farm_get() { curl -fsS --max-time 30 "$farm_url$1" | python3 -c "import json, sys; answer = json.load(sys.stdin); print($2)"; }
 
-# Ends the script with the words of a worker if all of them are gone.
+# farm_check_workers FOLDER WORKERS: ends the script with their last words if all of them are gone.
 farm_check_workers() {
-    local pid folder=$1
-    for pid in "${farm_pids[@]:1}"; do
+    local pid folder=$1 count=$2
+    for pid in "${farm_pids[@]:1:count}"; do
         if farm_running "$pid"; then return; fi
     done
     tail -n 10 "$folder"/worker-*.log >&2
