@@ -120,6 +120,10 @@ uint32_t GltfBuilder::view(std::span<const std::byte> bytes, uint32_t stride) {
     return static_cast<uint32_t>((*json_)["bufferViews"].size() - 1);
 }
 
+uint32_t GltfBuilder::offsetOf(uint32_t view) const {
+    return json_->at("bufferViews").at(view).at("byteOffset");
+}
+
 uint32_t GltfBuilder::accessorOf(uint32_t view, const char* type, uint32_t componentType, size_t count,
                                  bool normalized) {
     json node{{"bufferView", view}, {"type", type}, {"componentType", componentType}, {"count", count}};

@@ -37,6 +37,8 @@ public:
 
     /// A buffer view of the bytes, which begin at a multiple of 8.
     uint32_t view(std::span<const std::byte> bytes, uint32_t stride = 0);
+    /// Where the bytes of a view begin in the buffer.
+    uint32_t offsetOf(uint32_t view) const;
     /// An accessor of `type` over a view.
     uint32_t accessorOf(uint32_t view, const char* type, uint32_t componentType, size_t count,
                         bool normalized = false);

@@ -1,7 +1,6 @@
 #include "worker/scene/decode_image.h"
 
 #include <fmt/format.h>
-#include <stb_image.h>
 
 #include <cmath>
 #include <limits>
@@ -9,6 +8,15 @@
 
 #include "shared/error/error.h"
 #include "worker/scene/limits.h"
+
+// Compiled in with just the two formats: other libraries of the program (Draco's among them) export copies of
+// stb_image of their own, older ones, that would take the place of a shared one.
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#include <stb_image.h>
 
 namespace tilefarm {
 namespace {
@@ -77,21 +85,6 @@ Image decodeImage(std::span<const std::byte> bytes, bool srgb) {
     }
     image.width = static_cast<uint32_t>(width);
     image.height = static_cast<uint32_t>(height);
-    return image;
-}
-
-Image decodeHdr(std::span<const std::byte> bytes) {
-    const Encoded encoded = check(bytes);
-    if (!stbi_is_hdr_from_memory(encoded.data, encoded.size)) {
-        failImage("is not a Radiance .hdr image");
-    }
-    int width = 0, height = 0, channels = 0;
-    const auto pixels =
-        own(stbi_loadf_from_memory(encoded.data, encoded.size, &width, &height, &channels, 4));
-    Image image;
-    image.width = static_cast<uint32_t>(width);
-    image.height = static_cast<uint32_t>(height);
-    image.rgbaFloat.assign(pixels.get(), pixels.get() + size_t(width) * size_t(height) * 4);
     return image;
 }
 

@@ -8,12 +8,9 @@
 
 namespace tilefarm {
 
-/// Decodes a PNG or JPEG (or what else stb_image knows). 8-bit sources keep their bytes; 16-bit ones become
+/// Decodes a PNG or JPEG, the formats of glTF. 8-bit sources keep their bytes; 16-bit ones become
 /// linear floats, for which `srgb` says how they are encoded. Throws Error(invalidArgument) with the fault
 /// alone: the caller names the place.
 Image decodeImage(std::span<const std::byte> bytes, bool srgb);
-
-/// Decodes a Radiance .hdr to linear floats, rows from the top, alpha 1. Throws as decodeImage does.
-Image decodeHdr(std::span<const std::byte> bytes);
 
 }  // namespace tilefarm

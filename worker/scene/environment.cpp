@@ -6,9 +6,9 @@
 
 #include "shared/error/error.h"
 #include "shared/image/exr.h"
-#include "worker/scene/decode_image.h"
 #include "worker/scene/gltf_file.h"
 #include "worker/scene/load.h"
+#include "worker/scene/radiance_hdr.h"
 
 namespace tilefarm {
 namespace {
@@ -43,7 +43,7 @@ Image readImage(const std::filesystem::path& path) {
     if (extension != ".hdr" && extension != ".exr") {
         throw Error(ErrorCode::invalidArgument, "an environment must be a .hdr or .exr file");
     }
-    return extension == ".hdr" ? decodeHdr(readFileBytes(path)) : readExrImage(path);
+    return extension == ".hdr" ? decodeRadianceHdr(readFileBytes(path)) : readExrImage(path);
 }
 
 /// The readers below do not all name the file.

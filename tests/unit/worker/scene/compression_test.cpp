@@ -35,10 +35,11 @@ struct MeshoptTest : testing::Test {
         const uint32_t source = builder.view(std::as_bytes(bytes));
         const auto index = static_cast<uint32_t>(builder.size("/bufferViews"));
         const std::string place = fmt::format("/bufferViews/{}", index);
-        builder.set(place,
-                    fmt::format(R"({{"buffer": 1, "byteLength": {}, "extensions": {{"EXT_meshopt_compression":
+        builder.set(
+            place,
+            fmt::format(R"({{"buffer": 1, "byteLength": {}, "extensions": {{"EXT_meshopt_compression":
             {{"buffer": 0, "byteOffset": {}, "byteLength": {}, "byteStride": {}, "count": {}, "mode": "{}", "filter": "{}"}}}}}})",
-                                count * stride, offsetOf(source), bytes.size(), stride, count, mode, filter));
+                        count * stride, builder.offsetOf(source), bytes.size(), stride, count, mode, filter));
         return index;
     }
 
@@ -56,12 +57,6 @@ struct MeshoptTest : testing::Test {
         BufferViews views(file);
         Accessors accessors(file.root(), views);
         return read(accessors);
-    }
-
-    // Views of this test are added one after the other, each at the next multiple of 8.
-    size_t offsetOf(uint32_t view) {
-        const GltfFile file(builder.writeGltf(folder.path()));
-        return file.root()["bufferViews"][view]["byteOffset"].integer(1u << 30);
     }
 };
 

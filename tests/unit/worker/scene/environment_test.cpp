@@ -42,6 +42,31 @@ TEST_F(EnvironmentTest, ReadsExrAndBlackensTexelsThatAreNoRadiance) {
     EXPECT_THAT(scene.warnings[0].instead, HasSubstr("2 texels"));
 }
 
+TEST_F(EnvironmentTest, ReadsBothKindsOfRuns) {
+    const std::string header = "#?RGBE\nEXPOSURE=1\nFORMAT=32-bit_rle_rgbe\n\n";
+    // Sixteen columns: per channel a run of 15 and one byte as it is.
+    std::string runs = header + "-Y 1 +X 16\n" + std::string("\x02\x02\x00\x10", 4);
+    for (const char* value : {"\x80", "\x40", "\x20", "\x82"}) {
+        runs += std::string("\x8f") + value + "\x01" + value;
+    }
+    writeText(folder / "runs.hdr", runs);
+    loadEnvironment(scene, folder / "runs.hdr");
+    EXPECT_EQ(scene.environment.image.rgbaFloat.size(), 64u);
+    EXPECT_EQ(scene.environment.image.rgbaFloat[60], 2);
+    // The older kind: one pixel, then three times the same.
+    writeText(folder / "old.hdr", header + "-Y 1 +X 4\n\x80\x40\x20\x82\x01\x01\x01\x03");
+    loadEnvironment(scene, folder / "old.hdr");
+    EXPECT_EQ(scene.environment.image.rgbaFloat.size(), 16u);
+    EXPECT_EQ(scene.environment.image.rgbaFloat[13], 1);
+    runs.resize(runs.size() - 1);
+    writeText(folder / "cut.hdr", runs);
+    EXPECT_THAT(faultOf(folder / "cut.hdr"), HasSubstr("cut.hdr: the picture is cut short"));
+    writeText(folder / "long.hdr", header + "-Y 1 +X 4\n\x80\x40\x20\x82\x01\x01\x01\x04");
+    EXPECT_THAT(faultOf(folder / "long.hdr"), HasSubstr("does not fit its row"));
+    writeText(folder / "zero.hdr", header + "-Y 0 +X 4\n");
+    EXPECT_THAT(faultOf(folder / "zero.hdr"), HasSubstr("-Y height +X width"));
+}
+
 TEST_F(EnvironmentTest, NamesWhatIsWrong) {
     EXPECT_THAT(faultOf(folder / "absent.hdr"), HasSubstr("absent.hdr: there is no such file"));
     writeText(folder / "junk.hdr", "#?RADIANCE\nnonsense");

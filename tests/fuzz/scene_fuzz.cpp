@@ -1,0 +1,166 @@
+// Mutates glTF files and environments: whatever comes, the loader gives a scene or an Error, never a crash, a
+// hang or an index out of range. Seeds are fixed; TILEFARM_FUZZ_ROUNDS raises the number of rounds.
+#include <gtest/gtest.h>
+#include <meshoptimizer.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "shared/error/error.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+#include "worker/scene/features.h"
+#include "worker/scene/gltf_file.h"
+#include "worker/scene/load.h"
+#include "worker/scene/world.h"
+
+namespace tilefarm {
+namespace {
+
+int rounds(int usual) {
+    const char* text = std::getenv("TILEFARM_FUZZ_ROUNDS");
+    return text ? std::atoi(text) : usual;
+}
+
+/// A file with most of what the loader knows.
+GltfBuilder seedFile() {
+    GltfBuilder builder = GltfBuilder::square();
+    const auto png = encodePng(2, 2, 4, 8, std::vector<uint16_t>(16, 99));
+    builder.set("/images/0/bufferView", builder.view(png))
+        .set("/textures/0", R"({"source": 0, "sampler": 0})");
+    builder.set("/samplers/0", R"({"wrapS": 33071, "magFilter": 9728})");
+    builder.set("/materials/0", R"({"name": "m", "alphaMode": "MASK", "emissiveFactor": [1, 0, 1],
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.5},
+        "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"rotation": 1, "scale": [2, 2]}}},
+        "extensions": {"KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2},
+                       "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_sheen": {}}})");
+    builder.set("/cameras/0", R"({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}})");
+    builder.set("/extensions/KHR_lights_punctual/lights/0",
+                R"({"type": "spot", "intensity": 5, "spot": {}})");
+    builder.set("/nodes/1", R"({"camera": 0, "children": [0, 2], "scale": [1, 2, -3]})");
+    builder.set("/nodes/2", R"({"mesh": 1, "extensions": {"KHR_lights_punctual": {"light": 0}}})");
+    builder.set("/scenes/0/nodes", "[1]");
+    const std::vector<glm::vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+    std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(4, 12));
+    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), points.data(), 4, 12));
+    const uint32_t compressed = builder.view(std::as_bytes(std::span(bytes)));
+    const std::string view = "/bufferViews/" + std::to_string(compressed);
+    builder.set("/buffers/1/byteLength", "48");
+    builder.set(view + "/extensions/EXT_meshopt_compression",
+                R"({"buffer": 0, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES"})");
+    builder.set(view + "/extensions/EXT_meshopt_compression/byteLength", uint32_t(bytes.size()));
+    builder.set(view + "/buffer", 1).set(view + "/byteLength", 48);
+    builder.set(view + "/extensions/EXT_meshopt_compression/byteOffset", builder.offsetOf(compressed));
+    builder.set(view + "/byteOffset", 0);
+    const uint32_t positions = builder.accessorOf(compressed, "VEC3", 5126, 4);
+    builder.set("/meshes/1/primitives/0/attributes/POSITION", positions)
+        .set("/meshes/1/primitives/0/mode", 5);
+    const std::vector<uint8_t> at{1, 2};
+    const uint32_t sparse = builder.view(std::as_bytes(std::span(at)));
+    builder.set("/accessors/0/sparse", R"({"count": 2, "indices": {"componentType": 5121, "bufferView": 0},
+                                           "values": {"bufferView": 0}})");
+    builder.set("/accessors/0/sparse/indices/bufferView", sparse);
+    return builder;
+}
+
+void mutate(std::vector<std::byte>& bytes, std::mt19937& random) {
+    const auto below = [&](size_t n) { return std::uniform_int_distribution<size_t>(0, n - 1)(random); };
+    constexpr std::string_view tokens[] = {
+        "-1",   "0",  "1", "2", "3", "0.5", "255", "5121", "1e300", "4294967295", "99999999999999999999",
+        "null", "[]", "{}"};
+    const auto isDigit = [](std::byte b) { return std::isdigit(std::to_integer<unsigned char>(b)) != 0; };
+    for (size_t i = 0, n = 1 + below(8) / 6; i < n && !bytes.empty(); ++i) {
+        const size_t at = below(bytes.size());
+        const auto place = bytes.begin() + ptrdiff_t(at);
+        switch (below(12)) {
+            case 0: *place ^= static_cast<std::byte>(1u << below(8)); break;
+            case 1: *place = static_cast<std::byte>(below(256)); break;
+            case 2: bytes.insert(place, bytes[below(bytes.size())]); break;
+            case 3: bytes.resize(at); break;
+            default: {  // a number becomes another
+                const auto first = std::find_if(place, bytes.end(), isDigit);
+                const auto last = std::find_if_not(first, bytes.end(), isDigit);
+                const auto token = std::as_bytes(std::span(tokens[below(std::size(tokens))]));
+                bytes.insert(bytes.erase(first, last), token.begin(), token.end());
+            }
+        }
+    }
+}
+
+void expectSound(const Scene& scene) {
+    ASSERT_FALSE(scene.materials.empty());
+    for (const Mesh& mesh : scene.meshes) {
+        ASSERT_LT(mesh.material, scene.materials.size());
+        for (glm::uvec3 t : mesh.triangles) {
+            ASSERT_LT(std::max({t.x, t.y, t.z}), mesh.positions.size());
+        }
+    }
+    const WorldGeometry world = flatten(scene);
+    for (glm::vec3 corner : world.corners()) {
+        ASSERT_TRUE(std::isfinite(corner.x) && std::isfinite(corner.y) && std::isfinite(corner.z));
+    }
+    for (glm::vec3 normal : world.normals) {
+        ASSERT_LE(glm::length(normal), 1.001f);
+    }
+    detectFeatures(scene);
+    selectCamera(scene, "auto", 1.5);
+}
+
+void loadMutated(const std::filesystem::path& path, int& loaded) {
+    try {
+        expectSound(loadGltf(path));
+        ++loaded;
+    } catch (const Error& error) {
+        ASSERT_EQ(error.code, ErrorCode::invalidArgument) << error.what();
+    }
+}
+
+TEST(SceneFuzz, MutatedFilesGiveASceneOrAnError) {
+    TemporaryFolder folder;
+    GltfBuilder builder = seedFile();
+    for (const auto& seed : {readFileBytes(builder.writeGlb(folder.path())),
+                             readFileBytes(seedFile().writeEmbedded(folder.path()))}) {
+        int loaded = 0;
+        writeBytes(folder / "whole.gltf", seed);
+        ASSERT_NO_THROW(expectSound(loadGltf(folder / "whole.gltf")));
+        for (int round = 0; round < rounds(400); ++round) {
+            std::mt19937 random(static_cast<uint32_t>(round));
+            std::vector<std::byte> bytes = seed;
+            mutate(bytes, random);
+            writeBytes(folder / "mutated.gltf", bytes);
+            SCOPED_TRACE(round);
+            ASSERT_NO_FATAL_FAILURE(loadMutated(folder / "mutated.gltf", loaded));
+        }
+        EXPECT_GT(loaded, rounds(400) / 40) << "mutations so wild that nothing past the parser is reached";
+    }
+}
+
+TEST(SceneFuzz, MutatedEnvironmentsGiveAPictureOrAnError) {
+    TemporaryFolder folder;
+    std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 16\n";
+    for (int row = 0; row < 4; ++row) {
+        text += std::string("\x02\x02\x00\x10", 4);
+        for (int channel = 0; channel < 4; ++channel) {
+            text += "\x90\x81";  // a run of 16
+        }
+    }
+    const auto seed = std::as_bytes(std::span(text));
+    for (int round = 0; round < rounds(400); ++round) {
+        std::mt19937 random(static_cast<uint32_t>(round));
+        std::vector<std::byte> bytes(seed.begin(), seed.end());
+        mutate(bytes, random);
+        writeBytes(folder / "sky.hdr", bytes);
+        Scene scene;
+        try {
+            loadEnvironment(scene, folder / "sky.hdr");
+            for (float value : scene.environment.image.rgbaFloat) {
+                ASSERT_TRUE(std::isfinite(value) && value >= 0) << round;
+            }
+        } catch (const Error& error) {
+            ASSERT_EQ(error.code, ErrorCode::invalidArgument) << error.what();
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tilefarm
