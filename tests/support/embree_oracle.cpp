@@ -41,12 +41,16 @@ EmbreeOracle::~EmbreeOracle() {
 }
 
 OracleHit EmbreeOracle::closest(const TestRay& ray) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     RTCRayHit query;
     query.ray = embreeRay(ray);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    rtcIntersect1(scene_, &query, nullptr);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &query);
+#endif
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return {query.ray.tfar, query.hit.primID};
 }
@@ -67,10 +71,14 @@ std::vector<OracleHit> EmbreeOracle::closest(std::span<const TestRay> rays, unsi
 }
 
 bool EmbreeOracle::any(const TestRay& ray) const {
+    RTCRay query = embreeRay(ray);
+#if RTC_VERSION_MAJOR >= 4
+    rtcOccluded1(scene_, &query, nullptr);
+#else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    RTCRay query = embreeRay(ray);
     rtcOccluded1(scene_, &context, &query);
+#endif
     return query.tfar < 0;
 }
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <span>
 #include <vector>

@@ -44,10 +44,10 @@ struct Bvh {
 /// address hold (178 million triangles).
 Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque = {});
 
-/// The specialization constant kBvhStackSize for scenes with this stack: in steps, so that scenes share
-/// kernels.
+/// The specialization constant kBvhStackSize of shaders/intersect.glsl, which keeps one entry for itself: in
+/// steps, so that scenes share kernels.
 inline uint32_t bvhStackConstant(const Bvh& bvh) {
-    return bvh.stackSize < 8 ? 8 : (bvh.stackSize + 7) / 8 * 8;
+    return (bvh.stackSize + 1 + 7) / 8 * 8;
 }
 
 }  // namespace tilefarm

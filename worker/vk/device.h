@@ -37,7 +37,6 @@ struct DeviceLimits {
     uint32_t texelBuffers = 0;    // in one pipeline
     uint32_t storageBuffers = 0;  // in one pipeline
     bool timestamps = false;      // else device seconds are host seconds
-    uint32_t mesaMajor = 0;       // of lavapipe: its loops want another shape before 24; 0: not lavapipe
 };
 
 /// All Vulkan devices, GPUs first, then software devices. Empty where there is no Vulkan loader or driver.

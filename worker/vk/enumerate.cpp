@@ -59,13 +59,6 @@ std::string driverName(const vk::raii::PhysicalDevice& physical) {
     return fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
 }
 
-// "llvmpipe Mesa 25.0.7-2 (LLVM 15.0.6)" -> 25; 0 for any other driver.
-uint32_t lavapipeMajor(const std::string& driver, bool cpu) {
-    const size_t at = driver.find("Mesa ");
-    if (!cpu || at == std::string::npos) return 0;
-    return static_cast<uint32_t>(std::strtoul(driver.c_str() + at + 5, nullptr, 10));
-}
-
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical,
                     const vk::PhysicalDeviceProperties& properties) {
     DeviceInfo info;
@@ -81,7 +74,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical,
     return info;
 }
 
-DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from, const DeviceInfo& info) {
+DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from) {
     DeviceLimits limits;
     limits.texelElements = from.maxTexelBufferElements;
     limits.storageBytes = from.maxStorageBufferRange;
@@ -91,7 +84,6 @@ DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from, const DeviceInfo& in
         std::min(from.maxPerStageDescriptorSampledImages, from.maxDescriptorSetSampledImages);
     limits.storageBuffers =
         std::min(from.maxPerStageDescriptorStorageBuffers, from.maxDescriptorSetStorageBuffers);
-    limits.mesaMajor = lavapipeMajor(info.driver, info.cpu);
     return limits;
 }
 
@@ -161,7 +153,7 @@ std::vector<Found> findDevices(const vk::raii::Instance& instance) {
     for (auto& physical : vk::raii::PhysicalDevices(instance)) {
         const auto properties = physical.getProperties();
         DeviceInfo info = describe(physical, properties);
-        DeviceLimits limits = limitsOf(properties.limits, info);
+        DeviceLimits limits = limitsOf(properties.limits);
         ranked.emplace_back(rank(properties.deviceType), Found{std::move(physical), std::move(info), limits});
     }
     std::stable_sort(ranked.begin(), ranked.end(),

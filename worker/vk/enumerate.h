@@ -24,9 +24,9 @@ bool validationByEnvironment();
 const std::filesystem::path& shaderCacheFolder();
 
 /// Throws Error(unprocessable) if validation is wanted and its layer is not installed.
-/// The Vulkan loader, opened at the first call and kept to the end of the process: NVIDIA's driver finds no device
-/// any more after it was loaded and unloaded a dozen times (seen with 580.159). Throws std::runtime_error if
-/// there is no loader.
+/// The Vulkan loader, opened at the first call and kept to the end of the process: NVIDIA's driver finds no
+/// device any more after it was loaded and unloaded a dozen times (seen with 580.159). Throws
+/// std::runtime_error if there is no loader.
 const vk::raii::Context& vulkanLoader();
 vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation, ValidationLog& log);
 
