@@ -72,6 +72,7 @@ private:
 };
 
 void sendContent(httplib::Response& out, const std::string& type, HttpResponse::Content content) {
+    if (content.bytes == 0) return out.set_content("", type);  // a provider of nothing is asked for ever
     auto buffer = std::make_shared<std::vector<std::byte>>();
     out.set_content_provider(
         content.bytes, type, [content, buffer](size_t offset, size_t length, httplib::DataSink& sink) {

@@ -30,7 +30,7 @@ template <typename Visitor>
 void describe(Visitor& v, Is<ImageSpec> auto& image) {
     v.integer({"width", "pixels"}, image.width, {1, 32768});
     v.integer({"height", "pixels"}, image.height, {1, 32768});
-    v.integer({"tileSize", "pixels; never changes the picture"}, image.tileSize, {8, 4096, 8});
+    v.integer({"tileSize", "pixels; never changes the picture"}, image.tileSize, {8, 1024, 8});
 }
 
 template <typename Visitor>

@@ -17,7 +17,7 @@ struct SceneBundle {
 struct ImageSpec {
     uint32_t width = 640;     // pixels
     uint32_t height = 360;    // pixels
-    uint32_t tileSize = 128;  // pixels, a multiple of 8; never changes the pixels' bits
+    uint32_t tileSize = 128;  // pixels, 8 … 1024, a multiple of 8; never changes the pixels' bits
     friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
 

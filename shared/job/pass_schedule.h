@@ -16,7 +16,7 @@ struct SampleRange {
 };
 
 /// Longest pass. Bounds how much a lost lease costs and how far a running mean in fp32 may drift.
-inline constexpr uint32_t kMaxPassSamples = 64;
+inline constexpr uint32_t kMaxPassSamples = 256;
 
 /// Ranges of 1, 1, 2, 4, 8 … samples up to kMaxPassSamples that cover [0, samples); the last is cut
 /// to fit. Fixed by the job alone: the split decides how merging rounds, so a worker's speed must not.

@@ -9,7 +9,6 @@
 #include "shared/error/error.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
-#include "worker/scene/features.h"
 #include "worker/scene/gltf_file.h"
 #include "worker/scene/load.h"
 #include "worker/scene/world.h"
@@ -102,7 +101,6 @@ void expectSound(const Scene& scene) {
     for (glm::vec3 normal : world.normals) {
         ASSERT_LE(glm::length(normal), 1.001f);
     }
-    detectFeatures(scene);
     selectCamera(scene, "auto", 1.5);
 }
 

@@ -35,6 +35,7 @@ public:
         const auto begin = std::chrono::steady_clock::now();
         Scene scene = loadGltf(files.entry);
         if (!files.environment.empty()) loadEnvironment(scene, files.environment);
+        lightIfDark(scene);
         const double aspect = static_cast<double>(spec.image.width) / spec.image.height;
         const Camera camera = selectCamera(scene, spec.camera, aspect);
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;

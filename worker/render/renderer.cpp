@@ -20,7 +20,7 @@ namespace {
 constexpr uint64_t kFilmPixels = uint64_t{1} << 21;
 // Samples per dispatch. Long dispatches are best on lavapipe; drivers of GPUs reset one that runs for
 // seconds. Where a pass is cut does not show in its bits: the film carries the running sums.
-constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 24;
+constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 22;
 constexpr uint64_t kSamplesPerDispatchGpu = uint64_t{1} << 26;
 constexpr uint32_t kGroupSize = 8;
 

@@ -11,7 +11,7 @@ namespace tilefarm {
 namespace {
 
 constexpr double kFramingFov = 40.0 * glm::pi<double>() / 180.0;
-constexpr double kMargin = 1.05;
+constexpr double kMargin = 1.1;
 constexpr double kElevation = 18.0 * glm::pi<double>() / 180.0;
 constexpr double kAzimuth = 25.0 * glm::pi<double>() / 180.0;  // towards +x from the front, +z
 
@@ -75,25 +75,28 @@ Camera framingCamera(const Scene& scene, double imageAspect) {
         upper = glm::max(upper, corner);
     }
     const glm::dvec3 centre = corners.empty() ? glm::dvec3(0) : lower + (upper - lower) * 0.5;
-    double radius = 0;
-    for (glm::dvec3 corner : corners) {
-        radius = std::max(radius, glm::length(corner - centre));
-    }
-    if (!(radius > 0) || !std::isfinite(radius)) {
-        radius = 1;
-    }
-    // The sphere touches the cone of the narrower field of view.
-    const double halfY = kFramingFov / 2;
-    const double halfX = std::atan(std::tan(halfY) * std::max(imageAspect, 1e-3));
-    const double distance = kMargin * radius / std::sin(std::min(halfX, halfY));
     const glm::dvec3 back(std::sin(kAzimuth) * std::cos(kElevation), std::sin(kElevation),
                           std::cos(kAzimuth) * std::cos(kElevation));
     const glm::dvec3 right = normalizeOrZero(glm::cross(glm::dvec3(0, 1, 0), back));
+    const glm::dvec3 up = glm::cross(back, right);
+    // Every corner lies within the picture where distance − its depth ≥ its offset / tangent of half the
+    // view.
+    const double tangentY = std::tan(kFramingFov / 2), tangentX = tangentY * std::max(imageAspect, 1e-3);
+    double distance = 0;
+    for (glm::dvec3 corner : corners) {
+        const glm::dvec3 offset = corner - centre;
+        const double across = std::abs(glm::dot(offset, right)) / tangentX;
+        const double along = std::abs(glm::dot(offset, up)) / tangentY;
+        distance = std::max(distance, glm::dot(offset, back) + kMargin * std::max(across, along));
+    }
+    if (!(distance > 0) || !std::isfinite(distance)) {
+        distance = 1;
+    }
     Camera camera;
     camera.name = camera.node = "framing";
     camera.yfov = static_cast<float>(kFramingFov);
-    camera.toWorld = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0),
-                                glm::dvec4(back, 0), glm::dvec4(centre + back * distance, 1));
+    camera.toWorld = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0),
+                                glm::dvec4(centre + back * distance, 1));
     return camera;
 }
 

@@ -156,7 +156,8 @@ TEST(HostilePassExr, NamesThePartAndTheFault) {
                 HasSubstr("display window"));
     EXPECT_THAT(refusalOf(patched<int32_t>("tilefarm.pass.tile", "int", 0, -1)), HasSubstr("out of range"));
     EXPECT_THAT(refusalOf(patched<int32_t>("tilefarm.pass.count", "int", 0, 0)), HasSubstr("out of range"));
-    EXPECT_THAT(refusalOf(patched<int32_t>("tilefarm.pass.count", "int", 0, 65)), HasSubstr("out of range"));
+    EXPECT_THAT(refusalOf(patched<int32_t>("tilefarm.pass.count", "int", 0, kMaxPassSamples + 1)),
+                HasSubstr("out of range"));
 }
 
 TEST(HostilePassExr, RefusesChunksThatRepeatOrStandOutside) {

@@ -69,7 +69,7 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"image": {"height": "360"}})", "/image/height"},
         {R"({"image": {"height": 1.5}})", "/image/height"},
         {R"({"image": {"tileSize": 12}})", "/image/tileSize"},
-        {R"({"image": {"tileSize": 4104}})", "/image/tileSize"},
+        {R"({"image": {"tileSize": 1032}})", "/image/tileSize"},
         {R"({"image": {"width": 32768, "height": 32768, "tileSize": 8}})", "/image/tileSize"},
         {R"({"image": []})", "/image"},
         {R"({"stop": {"samples": 0}})", "/stop/samples"},
