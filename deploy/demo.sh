@@ -36,11 +36,16 @@ build() {
     command -v cmake >/dev/null || farm_fail "no cmake: run deploy/setup.sh first"
     farm_say "building (the first time takes some minutes)"
     mkdir -p "$out"
-    if ! (cd "$farm_root" && cmake --preset release && cmake --build --preset release \
-        --target tilefarm tilefarm-server tilefarm-worker) >"$out/build.log" 2>&1; then
+    # In a session of its own and waited for, so that a signal need not wait until it is done.
+    (cd "$farm_root" && exec setsid sh -c 'cmake --preset release &&
+        cmake --build --preset release --target tilefarm tilefarm-server tilefarm-worker') >"$out/build.log" 2>&1 </dev/null &
+    local builder=$!
+    farm_groups+=("$builder")
+    if ! wait "$builder"; then
         tail -n 40 "$out/build.log" >&2
         farm_fail "the build failed; all of its output is in $out/build.log"
     fi
+    farm_groups=()
 }
 
 # The client draws the bar; meanwhile this looks after the workers.

@@ -10,6 +10,7 @@
 farm_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 farm_bin=${TILEFARM_BIN:-$farm_root/build/release/bin}
 farm_pids=() # every process started here that may still run, the server first
+farm_groups=() # leaders of process groups started here
 farm_url=
 
 farm_say() { printf '%s: %s\n' "$(basename "$0" .sh)" "$*" >&2; }
@@ -30,6 +31,8 @@ farm_running() { kill -0 "$1" 2>/dev/null; }
 # Workers first, so that they hand their work back; TERM, then KILL after ten seconds.
 farm_stop() {
     local index pid tries
+    for pid in "${farm_groups[@]}"; do kill -TERM -- "-$pid" 2>/dev/null || true; done
+    farm_groups=()
     for ((index = ${#farm_pids[@]} - 1; index >= 0; index--)); do kill -TERM "${farm_pids[index]}" 2>/dev/null || true; done
     for pid in "${farm_pids[@]}"; do
         for ((tries = 0; tries < 100; tries++)); do
