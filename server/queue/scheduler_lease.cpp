@@ -100,7 +100,9 @@ std::vector<LeasedPass> Scheduler::takePasses(Tables& t, FrameRow& frame, const 
             frame.passesQueued > 0 ? t.passes.lowestQueued(frame.job, frame.frame, from) : std::nullopt;
         if (!first && frame.levelsCreated == frame.levels) break;
         if (!first) {
-            const SampleRange& next = info.schedule[frame.levelsCreated++];
+            const SampleRange& next = info.schedule[frame.levelsCreated];
+            if (!taken.empty() && budget.samples < static_cast<double>(pixels) * next.count) break;
+            ++frame.levelsCreated;
             t.passes.insertLevel(frame.job, frame.frame, next, frame.tiles, clock_.now());
             frame.passesQueued += frame.tiles;
             first = next.first;

@@ -419,10 +419,11 @@ MemoryJobStore::MemoryJobStore() : state_(std::make_shared<State>()) {}
 MemoryJobStore::~MemoryJobStore() = default;
 
 void MemoryJobStore::write(const std::function<void(Tables&)>& work) {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock one(writing_);
     auto next = std::make_shared<State>(*state_);
     auto tables = next->tables();
     work(tables);
+    const std::scoped_lock lock(mutex_);
     state_ = std::move(next);
 }
 

@@ -17,7 +17,8 @@ public:
 
 private:
     struct State;
-    mutable std::mutex mutex_;
+    std::mutex writing_;
+    mutable std::mutex mutex_;  // guards state_
     std::shared_ptr<const State> state_;
 };
 

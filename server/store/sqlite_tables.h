@@ -52,8 +52,9 @@ private:
     void bind(const std::string& value) { statement_.bind(++bound_, value); }
     void bind(TimePoint value) { bind(int64_t{value.time_since_epoch().count()}); }
     void bind(std::nullopt_t) { statement_.bind(++bound_); }
-    void bind(const std::vector<std::byte>& value) {
-        statement_.bind(++bound_, value.data(), static_cast<int>(value.size()));
+    void bind(const std::vector<std::byte>& value) {  // a null pointer would bind NULL
+        const void* const bytes = value.empty() ? static_cast<const void*>("") : value.data();
+        statement_.bind(++bound_, bytes, static_cast<int>(value.size()));
     }
     template <typename Value>
     void bind(const std::optional<Value>& value) {

@@ -1,0 +1,485 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "server/store/memory_job_store.h"
+#include "server/store/sqlite_job_store.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace tilefarm {
+namespace {
+
+auto named(const char* backend) {
+    return [backend](const auto&) { return std::string(backend); };
+}
+
+using MakeStore = std::function<std::unique_ptr<JobStore>(const TemporaryFolder&)>;
+
+constexpr TimePoint kNow{Milliseconds{1'700'000'000'000}};
+constexpr std::array kJobStates{JobState::queued,    JobState::running, JobState::paused,
+                                JobState::completed, JobState::failed,  JobState::canceled};
+constexpr std::array kPassStates{PassState::queued, PassState::leased, PassState::merged, PassState::failed};
+
+JobRow jobRow(const std::string& id, int32_t priority = 50) {
+    JobRow row;
+    row.id = id;
+    row.priority = priority;
+    row.specJson = "{}";
+    row.created = kNow;
+    row.passes = 100;
+    row.frames = 2;
+    return row;
+}
+
+class JobStoreContract : public testing::TestWithParam<MakeStore> {
+protected:
+    void write(const std::function<void(Tables&)>& work) { store->write(work); }
+    void read(const std::function<void(const ConstTables&)>& work) { store->read(work); }
+
+    JobKey addJob(const JobRow& row) {
+        JobKey key = 0;
+        write([&](Tables& t) { key = t.jobs.insert(row); });
+        return key;
+    }
+    // A job with a frame of `tiles` tiles, each with one queued pass of sample 0.
+    JobKey addFrame(uint32_t tiles, const std::string& id = "a") {
+        const JobKey job = addJob(jobRow(id));
+        write([&](Tables& t) {
+            FrameRow frame;
+            frame.job = job;
+            frame.levels = 3;
+            frame.tiles = tiles;
+            t.frames.insert(frame);
+            t.passes.insertLevel(job, 0, {0, 1}, tiles, kNow);
+        });
+        return job;
+    }
+    std::vector<LeasedPass> claim(JobKey job, uint64_t epoch, size_t limit, const std::string& worker = "w",
+                                  size_t online = 1) {
+        std::vector<LeasedPass> taken;
+        write([&](Tables& t) {
+            taken = t.passes.claim({.job = job,
+                                    .frame = 0,
+                                    .epoch = epoch,
+                                    .level = {0, 1},
+                                    .limit = limit,
+                                    .worker = worker,
+                                    .onlineWorkers = online});
+        });
+        return taken;
+    }
+    PassCounts counts(JobKey job) {
+        PassCounts counts;
+        read([&](const ConstTables& t) { counts = t.passes.counts(job, 0); });
+        return counts;
+    }
+    PassRow pass(JobKey job, uint32_t tile) {
+        PassRow row;
+        read([&](const ConstTables& t) { row = t.passes.find(job, 0, tile, 0).value(); });
+        return row;
+    }
+
+    TemporaryFolder folder;
+    std::unique_ptr<JobStore> store = GetParam()(folder);
+};
+
+TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
+    JobRow row = jobRow("a", 70);
+    row.idempotencyKey = "key";
+    row.bodyDigest = "digest";
+    row.faults = {"one", "two words"};
+    const JobKey key = addJob(row);
+    row = jobRow("a", 70);
+    write([&](Tables& t) {
+        JobRow job = *t.jobs.find(key);
+        job.state = JobState::running;
+        job.started = kNow;
+        job.passesMerged = 3;
+        job.relativeError = 0.25;
+        job.deviceSeconds = 1.5;
+        t.jobs.update(job);
+    });
+    read([&](const ConstTables& t) {
+        const JobRow found = t.jobs.findByIdempotencyKey("key").value();
+        EXPECT_EQ(found.key, key);
+        EXPECT_EQ(found.state, JobState::running);
+        EXPECT_EQ(found.priority, 70);
+        EXPECT_EQ(found.started, kNow);
+        EXPECT_EQ(found.finished, std::nullopt);
+        EXPECT_EQ(found.passesMerged, 3u);
+        EXPECT_EQ(found.relativeError, 0.25);
+        EXPECT_EQ(found.deviceSeconds, 1.5);
+        EXPECT_EQ(found.faults, (std::vector<std::string>{"one", "two words"}));
+        EXPECT_EQ(t.jobs.find("a")->key, key);
+        EXPECT_FALSE(t.jobs.find("b"));
+        EXPECT_FALSE(t.jobs.findByIdempotencyKey(""));
+    });
+}
+
+TEST_P(JobStoreContract, UndoesATransactionThatThrows) {
+    const JobKey job = addFrame(2);
+    EXPECT_EQ(codeOf([&] {
+                  write([&](Tables& t) {
+                      t.jobs.insert(jobRow("b"));
+                      t.passes.claim(
+                          {.job = job, .frame = 0, .epoch = 1, .level = {0, 1}, .limit = 2, .worker = "w"});
+                      throw Error(ErrorCode::gone, "stop");
+                  });
+              }),
+              ErrorCode::gone);
+    read([&](const ConstTables& t) { EXPECT_FALSE(t.jobs.find("b")); });
+    EXPECT_EQ(counts(job), (PassCounts{.queued = 2}));
+}
+
+TEST_P(JobStoreContract, ShowsReadersTheStateBeforeAWriterThatIsUnderWay) {
+    addJob(jobRow("a"));
+    write([&](Tables& t) {
+        t.jobs.insert(jobRow("b"));
+        read([&](const ConstTables& view) { EXPECT_FALSE(view.jobs.find("b")); });
+    });
+    read([&](const ConstTables& t) { EXPECT_TRUE(t.jobs.find("b")); });
+}
+
+TEST_P(JobStoreContract, RefusesASecondJobOfAnIdOrKey) {
+    JobRow row = jobRow("a");
+    row.idempotencyKey = "key";
+    addJob(row);
+    EXPECT_EQ(codeOf([&] { addJob(jobRow("a")); }), ErrorCode::conflict);
+    row.id = "b";
+    EXPECT_EQ(codeOf([&] { addJob(row); }), ErrorCode::conflict);
+}
+
+TEST_P(JobStoreContract, ListsNewestFirstAPageAtATime) {
+    for (const char* id : {"a", "b", "c"}) addJob(jobRow(id));
+    read([&](const ConstTables& t) {
+        const auto page = t.jobs.list({.state = {}, .limit = 2});
+        ASSERT_EQ(page.size(), 2u);
+        EXPECT_EQ(page[0].id, "c");
+        EXPECT_EQ(page[1].id, "b");
+        EXPECT_EQ(t.jobs.list({.state = {}, .before = page[1].key, .limit = 2}).at(0).id, "a");
+        EXPECT_TRUE(t.jobs.list({.state = JobState::failed}).empty());
+        EXPECT_EQ(t.jobs.counts().at(JobState::queued), 3u);
+    });
+}
+
+TEST_P(JobStoreContract, VisitsJobsByPriorityThenAge) {
+    for (int i = 0; i < 20; ++i) addJob(jobRow("low" + std::to_string(i), 10));
+    addJob(jobRow("high", 90));
+    std::vector<JobKey> order;
+    read([&](const ConstTables& t) {
+        t.jobs.forEachLeasable([&](JobKey key) {
+            order.push_back(key);
+            return order.size() < 19;
+        });
+    });
+    ASSERT_EQ(order.size(), 19u);
+    EXPECT_EQ(order[0], 21);
+    EXPECT_TRUE(std::is_sorted(order.begin() + 1, order.end()));
+    EXPECT_EQ(order[1], 1);
+}
+
+TEST_P(JobStoreContract, AllowsExactlyTheMovesOfJobsInTheTable) {
+    for (const JobState from : kJobStates) {
+        for (const JobState to : kJobStates) {
+            JobRow row = jobRow(std::string(toString(from)) + "-" + std::string(toString(to)));
+            row.state = from;
+            row.key = addJob(row);
+            row.state = to;
+            const auto move = [&] { write([&](Tables& t) { t.jobs.update(row); }); };
+            if (from == to || canMove(from, to))
+                EXPECT_NO_THROW(move()) << row.id;
+            else
+                EXPECT_EQ(codeOf(move), ErrorCode::conflict) << row.id;
+        }
+    }
+}
+
+TEST_P(JobStoreContract, AllowsExactlyTheMovesOfPassesInTheTable) {
+    const JobKey job = addFrame(static_cast<uint32_t>(kPassStates.size() * kPassStates.size()));
+    // The moves that lead from queued to each state.
+    const std::map<PassState, std::vector<PassState>> ways{
+        {PassState::queued, {}},
+        {PassState::leased, {PassState::leased}},
+        {PassState::merged, {PassState::merged}},
+        {PassState::failed, {PassState::leased, PassState::failed}}};
+    uint32_t tile = 0;
+    for (const PassState from : kPassStates) {
+        for (const PassState to : kPassStates) {
+            PassRow row = pass(job, tile++);
+            row.epoch = 1;
+            const auto move = [&](PassState state) {
+                row.state = state;
+                write([&](Tables& t) { t.passes.update(row); });
+            };
+            for (const PassState step : ways.at(from)) move(step);
+            if (from == to || canMove(from, to))
+                EXPECT_NO_THROW(move(to)) << toString(from) << toString(to);
+            else
+                EXPECT_EQ(codeOf([&] { move(to); }), ErrorCode::conflict) << toString(from) << toString(to);
+        }
+    }
+}
+
+TEST_P(JobStoreContract, LeasesAPassToOneWorkerOnly) {
+    const JobKey job = addFrame(3);
+    EXPECT_EQ(claim(job, 1, 2), (std::vector<LeasedPass>{{0, {0, 1}}, {1, {0, 1}}}));
+    EXPECT_EQ(claim(job, 2, 2), (std::vector<LeasedPass>{{2, {0, 1}}}));
+    EXPECT_TRUE(claim(job, 3, 2).empty());
+    EXPECT_EQ(pass(job, 2).epoch, 2u);
+    EXPECT_EQ(counts(job), (PassCounts{.leased = 3}));
+}
+
+TEST_P(JobStoreContract, ReleasesOnlyTheLeasedPassesOfALease) {
+    const JobKey job = addFrame(3);
+    claim(job, 1, 2);
+    claim(job, 2, 1);
+    write([&](Tables& t) {
+        PassRow merged = *t.passes.find(job, 0, 0, 0);
+        merged.state = PassState::merged;
+        t.passes.update(merged);
+        EXPECT_EQ(t.passes.release(1, kNow), 1u);
+    });
+    EXPECT_EQ(counts(job), (PassCounts{.queued = 1, .leased = 1, .merged = 1}));
+    EXPECT_EQ(claim(job, 3, 5), (std::vector<LeasedPass>{{1, {0, 1}}}));
+}
+
+TEST_P(JobStoreContract, LeavesAFailedPassToOthersUntilAllHaveFailedIt) {
+    const JobKey job = addFrame(2);
+    write([&](Tables& t) { t.leases.addFailure({job, 0, 0, 0, "w", "lost device", 1}); });
+    EXPECT_EQ(claim(job, 1, 5, "w", 2), (std::vector<LeasedPass>{{1, {0, 1}}}));
+    EXPECT_EQ(claim(job, 2, 5, "w", 1), (std::vector<LeasedPass>{{0, {0, 1}}}));  // there is nobody else
+}
+
+TEST_P(JobStoreContract, HoldsOnePassPerTileAndFirstSample) {
+    const JobKey job = addFrame(2);
+    EXPECT_EQ(codeOf([&] { write([&](Tables& t) {
+                               t.passes.insertLevel(job, 0, {0, 1}, 2, kNow);
+                           }); }),
+              ErrorCode::conflict);
+}
+
+TEST_P(JobStoreContract, FindsTheLowestLevelThatHasQueuedPasses) {
+    const JobKey job = addFrame(2);
+    write([&](Tables& t) {
+        t.passes.insertLevel(job, 0, {1, 1}, 2, kNow + Milliseconds(5));
+        EXPECT_EQ(t.passes.lowestQueued(job, 0, 0), 0u);
+        EXPECT_EQ(t.passes.lowestQueued(job, 0, 1), 1u);
+        EXPECT_EQ(t.passes.lowestQueued(job, 0, 2), std::nullopt);
+        EXPECT_EQ(t.passes.oldestQueued(), kNow);
+    });
+    claim(job, 1, 2);
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.passes.lowestQueued(job, 0, 0), 1u);
+        EXPECT_EQ(t.passes.oldestQueued(), kNow + Milliseconds(5));
+    });
+}
+
+TEST_P(JobStoreContract, DropsPassesBelowASample) {
+    const JobKey job = addFrame(2);
+    write([&](Tables& t) {
+        t.passes.insertLevel(job, 0, {1, 1}, 2, kNow);
+        t.passes.drop(job, 0, 1);
+    });
+    EXPECT_EQ(counts(job), (PassCounts{.queued = 2}));
+    read([&](const ConstTables& t) { EXPECT_FALSE(t.passes.find(job, 0, 0, 0)); });
+}
+
+TEST_P(JobStoreContract, RemembersWhereEarlyPassesLie) {
+    const JobKey job = addFrame(2);
+    write([&](Tables& t) {
+        PassRow row = *t.passes.find(job, 0, 1, 0);
+        row.state = PassState::merged;
+        row.held = HeldPass{"file", 64};
+        t.passes.update(row);
+    });
+    read([&](const ConstTables& t) {
+        ASSERT_EQ(t.passes.held().size(), 1u);
+        EXPECT_EQ(t.passes.heldOf(job, 0, 1).at(0).held->offset, 64u);
+        EXPECT_TRUE(t.passes.heldOf(job, 0, 0).empty());
+    });
+}
+
+TEST_P(JobStoreContract, MakesTilesWithTheFrameAndNeverLosesTheirSamples) {
+    const JobKey job = addFrame(3);
+    write([&](Tables& t) {
+        EXPECT_EQ(t.frames.tiles(job, 0).size(), 3u);
+        t.frames.update(TileRow{.job = job, .frame = 0, .tile = 1, .slot = 1, .mergedSamples = 4});
+    });
+    EXPECT_EQ(
+        codeOf([&] {
+            write([&](Tables& t) { t.frames.update(TileRow{.job = job, .tile = 1, .mergedSamples = 3}); });
+        }),
+        ErrorCode::conflict);
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.frames.tile(job, 0, 1)->mergedSamples, 4u);
+        EXPECT_EQ(t.frames.tile(job, 0, 1)->slot, 1u);
+        EXPECT_FALSE(t.frames.tile(job, 0, 3));
+    });
+    write([&](Tables& t) { t.frames.dropTiles(job, 0); });
+    read([&](const ConstTables& t) { EXPECT_TRUE(t.frames.tiles(job, 0).empty()); });
+}
+
+TEST_P(JobStoreContract, ListsFramesByJobAndState) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        FrameRow second = *t.frames.find(job, 0);
+        second.frame = 1;
+        t.frames.insert(second);
+        second.state = FrameState::finishing;
+        second.relativeError = 0.5;
+        t.frames.update(second);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.frames.list(job).size(), 2u);
+        ASSERT_EQ(t.frames.listActive(job).size(), 1u);
+        EXPECT_EQ(t.frames.listActive(job)[0].frame, 0);
+        EXPECT_EQ(t.frames.listByState(FrameState::finishing).at(0).relativeError, 0.5);
+    });
+}
+
+TEST_P(JobStoreContract, KeepsLevelsBySamples) {
+    const JobKey job = addFrame(1);
+    const LevelRow two{.job = job,
+                       .samples = 2,
+                       .tiles = 1,
+                       .relativeVariance = 0.5,
+                       .droppedSamples = 3,
+                       .relativeError = 0.1,
+                       .deviceSeconds = 2.0};
+    const LevelRow one{.job = job, .samples = 1, .tiles = 1, .relativeError = {}, .deviceSeconds = 1.0};
+    write([&](Tables& t) {
+        t.frames.put(LevelRow{.job = job, .samples = 2, .relativeError = {}, .deviceSeconds = {}});
+        t.frames.put(two);
+        t.frames.put(one);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.frames.levels(job, 0), (std::vector<LevelRow>{one, two}));
+        EXPECT_EQ(t.frames.level(job, 0, 2), two);
+        EXPECT_EQ(t.frames.level(job, 0, 4), std::nullopt);
+    });
+}
+
+TEST_P(JobStoreContract, NeverGivesAnEpochTwice) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        EXPECT_EQ(t.leases.lastEpoch(), 0u);
+        t.leases.insert({.epoch = 7,
+                         .id = "l",
+                         .worker = "w",
+                         .job = job,
+                         .granted = kNow,
+                         .passes = {{3, {8, 16}}, {4, {8, 16}}}});
+        t.leases.close(7, LeaseState::expired);
+    });
+    read([&](const ConstTables& t) {
+        const LeaseRow lease = t.leases.find("l").value();
+        EXPECT_EQ(lease.state, LeaseState::expired);
+        EXPECT_EQ(lease.passes, (std::vector<LeasedPass>{{3, {8, 16}}, {4, {8, 16}}}));
+        EXPECT_TRUE(t.leases.open().empty());
+    });
+    write([&](Tables& t) { t.leases.forgetClosedBefore(kNow + Milliseconds(1)); });
+    read([&](const ConstTables& t) {
+        EXPECT_FALSE(t.leases.find("l"));
+        EXPECT_EQ(t.leases.lastEpoch(), 7u);
+    });
+}
+
+TEST_P(JobStoreContract, FindsPassesWhoseLeaseIsNotOpen) {
+    const JobKey job = addFrame(2);
+    write([&](Tables& t) {
+        t.leases.insert({.epoch = 1, .id = "l", .worker = "w", .job = job, .passes = {}});
+    });
+    claim(job, 1, 1);
+    claim(job, 2, 1);
+    read([&](const ConstTables& t) {
+        const auto lost = t.passes.leasedWithoutLease();
+        ASSERT_EQ(lost.size(), 1u);
+        EXPECT_EQ(lost[0].tile, 1u);
+    });
+}
+
+TEST_P(JobStoreContract, CountsFailuresPerWorkerAndBlamesAWorkerOnlyWhereOthersSucceed) {
+    const JobKey job = addFrame(1), other = addFrame(1, "b");
+    write([&](Tables& t) {
+        for (int i = 0; i < 2; ++i) t.leases.addFailure({job, 0, 0, 0, "w", "message", 1});
+        t.leases.addFailure({job, 0, 0, 0, "v", "message", 1});
+        t.leases.addFailure({other, 0, 0, 0, "w", "message", 1});
+        t.workers.addContribution({job, "v", 1.0, 1, 100});
+        t.workers.addContribution({other, "w", 1.0, 1, 100});
+    });
+    read([&](const ConstTables& t) {
+        const auto failures = t.leases.failures(job, 0, 0, 0);
+        ASSERT_EQ(failures.size(), 2u);
+        EXPECT_EQ(failures[0].reports + failures[1].reports, 3u);
+        EXPECT_EQ(t.leases.jobsOnlyThisWorkerFailed("w"), 1u);
+        EXPECT_EQ(t.leases.jobsOnlyThisWorkerFailed("v"), 0u);
+    });
+}
+
+TEST_P(JobStoreContract, AddsUpContributionsAndKeepsTheLastReport) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        t.workers.addContribution({job, "w", 1.5, 2, 100});
+        t.workers.addContribution({job, "w", 0.5, 1, 50});
+        t.workers.putReport({job, "w", "{}"});
+        t.workers.putReport({job, "w", R"({"a":1})"});
+    });
+    read([&](const ConstTables& t) {
+        const auto rows = t.workers.contributions(job);
+        ASSERT_EQ(rows.size(), 1u);
+        EXPECT_EQ(rows[0].deviceSeconds, 2.0);
+        EXPECT_EQ(rows[0].passes, 3u);
+        EXPECT_EQ(rows[0].samples, 150u);
+        EXPECT_EQ(t.workers.reports(job).at(0).json, R"({"a":1})");
+    });
+}
+
+TEST_P(JobStoreContract, KeepsWorkersUntilForgotten) {
+    const WorkerHello hello{"w", "host", "device", "driver", "1"};
+    write([&](Tables& t) {
+        t.workers.put({hello, WorkerState::online, "", kNow, kNow});
+        t.workers.put({hello, WorkerState::quarantined, "why", kNow, kNow});
+    });
+    read([&](const ConstTables& t) {
+        ASSERT_EQ(t.workers.list().size(), 1u);
+        EXPECT_EQ(t.workers.list()[0].hello, hello);
+        EXPECT_EQ(t.workers.list()[0].state, WorkerState::quarantined);
+        EXPECT_EQ(t.workers.list()[0].reason, "why");
+    });
+    write([&](Tables& t) { t.workers.forgetSeenBefore(kNow + Milliseconds(1)); });
+    read([&](const ConstTables& t) { EXPECT_TRUE(t.workers.list().empty()); });
+}
+
+TEST_P(JobStoreContract, GivesEventsInOrderAndNeverAnIdTwice) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        t.events.add({0, job, "a", kNow, "job", "{}"});
+        t.events.add({0, 0, "", kNow, "worker", "{}"});
+        t.events.add({0, job, "a", kNow, "progress", "{}"});
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.events.list(0, std::nullopt, 10).size(), 3u);
+        EXPECT_EQ(t.events.list(0, std::nullopt, 2).size(), 2u);
+        const auto ofJob = t.events.list(1, job, 10);
+        ASSERT_EQ(ofJob.size(), 1u);
+        EXPECT_EQ(ofJob[0].type, "progress");
+    });
+    write([&](Tables& t) {
+        t.events.forgetBelow(100);
+        EXPECT_EQ(t.events.add({0, job, "a", kNow, "job", "{}"}), 4);
+        EXPECT_EQ(t.events.lastId(), 4);
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Memory, JobStoreContract, testing::Values([](const TemporaryFolder&) {
+                             return std::make_unique<MemoryJobStore>();
+                         }),
+                         named("Memory"));
+INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreContract, testing::Values([](const TemporaryFolder& folder) {
+                             return std::make_unique<SqliteJobStore>(folder / "tilefarm.sqlite");
+                         }),
+                         named("Sqlite"));
+
+}  // namespace
+}  // namespace tilefarm
