@@ -25,22 +25,30 @@ bool sameBits(const FloatImage& a, const FloatImage& b) {
            });
 }
 
-void print(const ImageDifference& d, bool identical, const CompareOptions& options, std::ostream& out) {
-    if (options.json) {
-        out << json{{"rmse", d.rmse},
-                    {"relMse", d.relMse},
-                    {"max", d.max},
-                    {"meanDifference", d.meanDifference},
-                    {"meanReference", d.meanReference},
-                    {"identical", identical}}
-                   .dump(2)
-            << '\n';
-        return;
+using Agreement = std::optional<StatisticalAgreement>;
+
+json toJson(const ImageDifference& d, const Agreement& agreement, bool identical) {
+    json result{{"rmse", d.rmse},
+                {"relMse", d.relMse},
+                {"max", d.max},
+                {"meanDifference", d.meanDifference},
+                {"meanReference", d.meanReference},
+                {"identical", identical}};
+    if (agreement) {
+        result["meanZ"] = agreement->meanZ;
+        result["withinFourSigma"] = agreement->withinFourSigma;
     }
+    return result;
+}
+
+void print(const ImageDifference& d, const Agreement& agreement, bool identical, std::ostream& out) {
     out << fmt::format(
         "RMSE             {:.6g}\nrelMSE           {:.6g}\nlargest          {:.6g}\n"
         "mean difference  {:.6g}\nmean of B        {:.6g}\nidentical        {}\n",
         d.rmse, d.relMse, d.max, d.meanDifference, d.meanReference, identical ? "yes" : "no");
+    if (agreement)
+        out << fmt::format("mean z           {:.3f}\nwithin 4 sigma   {:.5f}\n", agreement->meanZ,
+                           agreement->withinFourSigma);
 }
 
 using Plane = std::vector<float>;
@@ -81,7 +89,11 @@ int compare(const CompareOptions& options, const Console& console) {
     const FloatImage a = readExr(options.a), b = readExr(options.b);
     const bool identical = sameBits(a, b);
     const ImageDifference d = difference(a, b);
-    print(d, identical, options, console.out);
+    const Agreement agreement = statisticalAgreement(a, b);
+    if (options.json)
+        console.out << toJson(d, agreement, identical).dump(2) << '\n';
+    else
+        print(d, agreement, identical, console.out);
     if (options.identical && !identical) {
         console.err << "the images are not identical\n";
         return kFailed;

@@ -59,4 +59,25 @@ ImageDifference difference(const FloatImage& a, const FloatImage& b) {
     return d;
 }
 
+std::optional<StatisticalAgreement> statisticalAgreement(const FloatImage& a, const FloatImage& b) {
+    difference(a, b);  // refuses what cannot be compared
+    double sum = 0, variance = 0, within = 0, values = 0;
+    for (const std::string channel : {"R", "G", "B"}) {
+        const std::string name = "variance." + channel;
+        if (a.find(name) < 0 || b.find(name) < 0) return {};
+        const std::vector<float>&planeA = a.plane(channel), &planeB = b.plane(channel);
+        const std::vector<float>&varianceA = a.plane(name), &varianceB = b.plane(name);
+        for (size_t i = 0; i < planeA.size(); ++i) {
+            const double step = double{planeA[i]} - planeB[i], both = double{varianceA[i]} + varianceB[i];
+            if (!(both > 0)) continue;
+            sum += step;
+            variance += both;
+            within += step * step <= 16 * both ? 1 : 0;
+            values += 1;
+        }
+    }
+    if (values == 0) return {};
+    return StatisticalAgreement{sum / std::sqrt(variance), within / values};
+}
+
 }  // namespace tilefarm

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/support/expect_error.h"
 
@@ -71,6 +72,41 @@ TEST(Difference, RefusesImagesThatDoNotMatch) {
     grey.channels = {"Y", "G", "B"};
     EXPECT_THAT(errorOf([&] { difference(uniform(2, 2, 0), grey); }).what(), HasSubstr("no channel 'R'"));
     EXPECT_EQ(codeOf([] { difference(uniform(0, 0, 0), uniform(0, 0, 0)); }), ErrorCode::invalidArgument);
+}
+
+FloatImage noisy(uint32_t seed, float mean, float sigma) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> normal(mean, sigma);
+    FloatImage image = uniform(100, 100, 0);
+    for (auto& plane : image.planes)
+        for (float& value : plane) value = normal(random);
+    for (const char* name : {"variance.R", "variance.G", "variance.B"}) {
+        image.channels.emplace_back(name);
+        image.planes.emplace_back(10000, sigma * sigma);
+    }
+    return image;
+}
+
+TEST(StatisticalAgreement, HoldsForTwoRendersOfOneImage) {
+    const auto agreement = statisticalAgreement(noisy(1, 1, 0.2f), noisy(2, 1, 0.1f));
+    ASSERT_TRUE(agreement.has_value());
+    EXPECT_LT(std::abs(agreement->meanZ), 4);
+    EXPECT_GT(agreement->withinFourSigma, 0.999);
+}
+
+TEST(StatisticalAgreement, FindsABiasFarBelowTheNoiseOfAPixel) {
+    const auto agreement = statisticalAgreement(noisy(1, 1, 0.2f), noisy(2, 1.02f, 0.2f));
+    EXPECT_LT(agreement->meanZ, -4);
+}
+
+TEST(StatisticalAgreement, FindsPixelsThatTheNoiseDoesNotExplain) {
+    FloatImage spoilt = noisy(2, 1, 0.1f);
+    for (size_t i = 0; i < 500; ++i) spoilt.planes[0][i] += i % 2 == 0 ? 3.f : -3.f;
+    EXPECT_LT(statisticalAgreement(noisy(1, 1, 0.1f), spoilt)->withinFourSigma, 0.99);
+}
+
+TEST(StatisticalAgreement, NeedsTheVariances) {
+    EXPECT_FALSE(statisticalAgreement(uniform(2, 2, 1), uniform(2, 2, 1)).has_value());
 }
 
 }  // namespace
