@@ -6,9 +6,9 @@
 #
 # By environment variable, with the defaults for the demo scene:
 #     TILEFARM_DEMO_WIDTH=960  TILEFARM_DEMO_HEIGHT=540   pixels
-#     TILEFARM_DEMO_SAMPLES=64                            per pixel
+#     TILEFARM_DEMO_SAMPLES=128                           per pixel
 #     TILEFARM_DEMO_BOUNCES=8                             surface scatterings of a path
-#     TILEFARM_DEMO_EXPOSURE=0                            stops, of the PNG only
+#     TILEFARM_DEMO_EXPOSURE=0.15                         stops, of the PNG only
 #     TILEFARM_DEMO_TONE=pbrNeutral                       linear, aces or pbrNeutral, of the PNG only
 #     TILEFARM_DEMO_WORKERS=2
 #     TILEFARM_DEMO_OUT=build/demo                        folder for the pictures and the report
@@ -25,8 +25,8 @@ scene=$farm_root/tests/data/demo/demo.glb environment=$farm_root/tests/data/demo
 if [ $# -ge 1 ]; then scene=$(absolute "$1") environment=; fi
 if [ $# -ge 2 ]; then environment=$(absolute "$2"); fi
 width=${TILEFARM_DEMO_WIDTH:-960} height=${TILEFARM_DEMO_HEIGHT:-540}
-samples=${TILEFARM_DEMO_SAMPLES:-64} bounces=${TILEFARM_DEMO_BOUNCES:-8}
-exposure=${TILEFARM_DEMO_EXPOSURE:-0} tone=${TILEFARM_DEMO_TONE:-pbrNeutral}
+samples=${TILEFARM_DEMO_SAMPLES:-128} bounces=${TILEFARM_DEMO_BOUNCES:-8}
+exposure=${TILEFARM_DEMO_EXPOSURE:-0.15} tone=${TILEFARM_DEMO_TONE:-pbrNeutral}
 workers=${TILEFARM_DEMO_WORKERS:-2}
 out=$(realpath -m "${TILEFARM_DEMO_OUT:-$farm_root/build/demo}")
 name=$(basename "${scene%.*}")

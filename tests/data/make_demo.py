@@ -36,9 +36,9 @@ def sky(direction):
     else:
         color = mix(mix((0.26, 0.28, 0.50), (0.80, 0.50, 0.32), towards), (0.03, 0.07, 0.14), -y / 0.22)
     angle = math.degrees(math.acos(min(1.0, dot(direction, SUN))))
-    disc = 1 / (1 + math.exp((angle - 8.0) / 0.6))
+    disc = 1 / (1 + math.exp((angle - 9.0) / 0.6))
     glow = math.exp(-angle / 16)
-    sun = 72.0 * disc + 0.8 * glow
+    sun = 58.0 * disc + 0.8 * glow
     return tuple(0.8 * c + sun * w for c, w in zip(color, (1.0, 0.74, 0.46)))
 
 
@@ -129,16 +129,16 @@ def still_life(gltf, mat):
         rotation=quaternion((0, 1, 0), 24))
     put("Column", shapes.twisted_column(0.20, 2.35, 4, 0.17, 0.75, 80, 48), "blue", (-2.12, 0, -1.15))
     put("Finial", finial(), "steel", (1.70, 0, -0.35), uvs=True)
-    put("Walnut block", shapes.rounded_box((0.26, 0.26, 0.26), 0.035), "wood", (0.08, 0.26, -0.02), uvs=True,
+    put("Walnut block", shapes.rounded_box((0.26, 0.26, 0.26), 0.035), "wood", (0.10, 0.26, 0.33), uvs=True,
         rotation=quaternion((0, 1, 0), 31))
     # Stands on the block, on its culet's facets: the cone of the pavilion rests along one side.
     lean = math.degrees(math.atan2(0.86 - 0.04, 1.0))
     put("Gem", shapes.gem(0.20), "amber", (0.74, 0.2 * 0.78, 0.47), solid=True, rotation=quaternion((0.35, 0, -1), 90 - lean))
-    ball = put("Glass ball", shapes.sphere(0.25), "glass", (0.05, 0.52 + 0.2502, -0.02), solid=True)
-    put("Gold ball", ball, "gold", (-0.40, 0.30, 0.62), scale=[1.2] * 3)
+    ball = put("Glass ball", shapes.sphere(0.25), "glass", (0.10, 0.52 + 0.2502, 0.33), solid=True)
+    put("Gold ball", ball, "gold", (-0.52, 0.30, 0.68), scale=[1.2] * 3)
     put("Teal ball", ball, "teal", (-0.52, 0.24 + 0.135, -0.02), scale=[0.54] * 3)
     put("White ball", ball, "white", (1.22, 0.17, 0.22), scale=[0.68] * 3)
-    put("Chrome ball", ball, "chrome", (0.28, 0.09, 0.80), scale=[0.36] * 3)
+    put("Chrome ball", ball, "chrome", (0.20, 0.09, 0.86), scale=[0.36] * 3)
     put("Coral ball", ball, "wall", (-1.02, 0.08, 0.66), scale=[0.32] * 3)
     put("Pearl", ball, "white", (-0.78, 0.05, 0.93), scale=[0.2] * 3)
     halo = lambda u, v: ((0.56 + 0.022 * math.cos(2 * math.pi * v)) * math.cos(2 * math.pi * u),

@@ -84,7 +84,7 @@ def terrazzo(size, seed, binder, chips, strip):
             stones.append((x, y, r, edges, tuple(c * shade for c in color), rng.uniform(-0.05, 0.05)))
 
     color = [[binder] * size for _ in range(size)]
-    rough = [[0.34] * size for _ in range(size)]
+    rough = [[0.44] * size for _ in range(size)]
     height = [[0.0] * size for _ in range(size)]
     for x, y, r, edges, stone, gloss in stones:
         reach = int(r * 1.4 * size) + 2
@@ -96,7 +96,7 @@ def terrazzo(size, seed, binder, chips, strip):
                 if inside <= -0.5: continue
                 cover, i, j = min(1.0, inside + 0.5), px % size, py % size
                 color[j][i] = tuple(a + (b - a) * cover for a, b in zip(color[j][i], stone))
-                rough[j][i] += (0.17 + gloss - rough[j][i]) * cover
+                rough[j][i] += (0.30 + gloss - rough[j][i]) * cover
                 height[j][i] = max(height[j][i], cover)
     metal = [[0.0] * size for _ in range(size)]
     for j in range(size):
@@ -105,7 +105,7 @@ def terrazzo(size, seed, binder, chips, strip):
             cover = min(1.0, max(0.0, strip - edge + 0.5))
             if cover > 0:
                 color[j][i] = tuple(a + (b - a) * cover for a, b in zip(color[j][i], (0.86, 0.62, 0.30)))
-                rough[j][i] += (0.24 - rough[j][i]) * cover
+                rough[j][i] += (0.32 - rough[j][i]) * cover
                 metal[j][i], height[j][i] = cover, height[j][i] * (1 - cover) + 0.6 * cover
             wear = noise(i / size, j / size, 5, 5, 3)
             rough[j][i] += 0.22 * (wear - 0.5) * (1 - metal[j][i])
