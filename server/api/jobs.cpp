@@ -14,9 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-// A row of tiles is in memory when an image is written, a pass of a tile when it is uploaded.
+// A row of tiles is in memory when an image is written.
 constexpr uint64_t kMostTileRowBytes = 1ull << 30;
-constexpr uint64_t kMostPassBytes = 128ull << 20;
 
 std::string escaped(const std::string& path) {
     std::string pointer;
@@ -37,12 +36,8 @@ void requireBlobs(const Services& s, const JobSpec& spec) {
 }
 
 void requireModestTiles(const ImageSpec& image) {
-    const uint64_t side = std::min(image.tileSize, image.width),
-                   rows = std::min(image.tileSize, image.height);
-    if (image.width * rows * sizeof(FilmPixel) <= kMostTileRowBytes &&
-        side * rows * sizeof(PassPixel) <= kMostPassBytes) {
-        return;
-    }
+    const uint64_t rows = std::min(image.tileSize, image.height);
+    if (image.width * rows * sizeof(FilmPixel) <= kMostTileRowBytes) return;
     throw Error(ErrorCode::unprocessable, "the tiles are too large for the image",
                 {{"/image/tileSize", "a row of tiles would need more memory than the server gives it"}});
 }

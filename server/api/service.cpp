@@ -1,12 +1,21 @@
+#include <nlohmann/json.hpp>
+
 #include "server/api/openapi.h"
 #include "server/api/resources.h"
 #include "server/api/services.h"
 #include "server/web/status_page.h"
+#include "shared/job/wire.h"
 
 namespace tilefarm {
 
 HttpResponse getOpenApi(Services&, HttpRequest&) {
-    return jsonResponse(200, std::string(openApiJson()));
+    // The job's schema comes from the table that also checks jobs, so it cannot differ from what is accepted.
+    static const std::string document = [] {
+        auto json = nlohmann::json::parse(openApiJson());
+        json["components"]["schemas"]["Job"] = jobSchema();
+        return json.dump();
+    }();
+    return jsonResponse(200, document);
 }
 
 HttpResponse getHealth(Services& s, HttpRequest&) {
