@@ -65,8 +65,8 @@ std::vector<FleetMember> membersFor(const AgentConfig& config, uint32_t salt) {
 }
 
 int runAgent(const WorkerConfig& config, const AgentConfig& agent) {
-    // Leaked: its thread may be using the switch while the process ends.
-    StopSwitch& stop = *new StopSwitch;
+    // Never destroyed: its thread may be using the switch while the process ends.
+    static StopSwitch& stop = *new StopSwitch;
     const StopSignals signals(stop);
     gpu::useShaderCache(config.cache / "shaders");
     const SystemClock clock;

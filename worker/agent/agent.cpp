@@ -14,7 +14,8 @@ namespace tilefarm {
 namespace {
 
 constexpr Milliseconds kFirstWait{250}, kLongestWait{5'000};
-constexpr Milliseconds kFirstFailureWait{500}, kLongestFailureWait{30'000};
+// Short: the next lease may well be of a job that is sound.
+constexpr Milliseconds kFirstFailureWait{250}, kLongestFailureWait{2'000};
 constexpr Milliseconds kHoldLeasing{60'000};
 constexpr uint32_t kFewTries = 8;
 

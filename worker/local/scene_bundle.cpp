@@ -23,9 +23,10 @@ void addNamedFiles(const JsonNode& list, const fs::path& folder, SceneBundle& bu
     }
 }
 
-// A name in the bundle that no other file has.
-std::string freeName(const SceneBundle& bundle, std::string name) {
-    while (bundle.files.contains(name)) name = "environment-" + name;
+// As the command line names it in a job, so that both renders of a scene carry the same scene hash.
+std::string environmentName(const SceneBundle& bundle, const fs::path& file) {
+    std::string name = "environment/" + file.filename().string();
+    while (bundle.files.contains(name)) name.insert(0, "environment/");
     return name;
 }
 
@@ -40,7 +41,7 @@ SceneBundle bundleOf(const SceneFiles& files) {
     addNamedFiles(gltf.root()["buffers"], folder, bundle);
     addNamedFiles(gltf.root()["images"], folder, bundle);
     if (!files.environment.empty()) {
-        bundle.environment = freeName(bundle, files.environment.filename().string());
+        bundle.environment = environmentName(bundle, files.environment);
         bundle.files[bundle.environment] = sha256OfFile(files.environment);
     }
     return bundle;

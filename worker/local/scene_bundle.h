@@ -8,8 +8,8 @@
 namespace tilefarm {
 
 /// Every file that a scene on this disk is made of with its digest: the .gltf or .glb, the buffers and
-/// images it names, the environment (empty: none). Paths are relative to the scene's folder; an
-/// environment elsewhere goes by its file name. Throws Error that names the file and the fault, also if
+/// images it names, the environment (empty: none). Paths are relative to the scene's folder; the
+/// environment goes by "environment/" and its file name. Throws Error that names the file and the fault, also if
 /// the scene names a file that is not there.
 SceneBundle bundleOf(const SceneFiles& files);
 

@@ -31,11 +31,11 @@ TEST_F(SceneBundleTest, HoldsEveryFileThatTheSceneNames) {
     const auto sky = write("elsewhere/sky.hdr", "hdr");
     const SceneBundle bundle = bundleOf({entry, sky});
     EXPECT_EQ(bundle.entry, "scene.gltf");
-    EXPECT_EQ(bundle.environment, "sky.hdr");
+    EXPECT_EQ(bundle.environment, "environment/sky.hdr");
     ASSERT_EQ(bundle.files.size(), 4u);
     EXPECT_EQ(bundle.files.at("data set.bin"), sha256Hex(std::string_view("bin")));
     EXPECT_EQ(bundle.files.at("tex/wood.png"), sha256Hex(std::string_view("png")));
-    EXPECT_EQ(bundle.files.at("sky.hdr"), sha256Hex(std::string_view("hdr")));
+    EXPECT_EQ(bundle.files.at("environment/sky.hdr"), sha256Hex(std::string_view("hdr")));
 }
 
 TEST_F(SceneBundleTest, NamesAFileThatIsNotThere) {
@@ -49,10 +49,11 @@ TEST_F(SceneBundleTest, NamesAFileThatIsNotThere) {
 
 TEST_F(SceneBundleTest, AnEnvironmentNeverTakesTheNameOfAnotherFile) {
     const auto entry =
-        write("scene.gltf", R"({"asset": {"version": "2.0"}, "images": [{"uri": "sky.hdr"}]})");
-    write("sky.hdr", "one");
+        write("scene.gltf", R"({"asset": {"version": "2.0"},
+        "images": [{"uri": "environment/sky.hdr"}]})");
+    write("environment/sky.hdr", "one");
     const SceneBundle bundle = bundleOf({entry, write("elsewhere/sky.hdr", "other")});
-    EXPECT_EQ(bundle.environment, "environment-sky.hdr");
+    EXPECT_EQ(bundle.environment, "environment/environment/sky.hdr");
     EXPECT_EQ(bundle.files.size(), 3u);
 }
 
