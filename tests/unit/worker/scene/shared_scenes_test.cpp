@@ -6,6 +6,9 @@
 #include <set>
 
 #include "shared/error/error.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/temporary_folder.h"
+#include "worker/scene/gltf_file.h"
 #include "worker/scene/load.h"
 #include "worker/scene/world.h"
 
@@ -69,6 +72,40 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{"khronos-24_gpu_instancing/24_gpu_instancing.gltf", 7656770, 1900, 0, {}},
         Expected{"khronos-25_anisotropy/25_anisotropy.gltf", 16664, 23, 4, {"KHR_materials_anisotropy"}}),
     [](const auto& scene) { return std::filesystem::path(scene.param.file).stem().string(); });
+
+TEST(SharedTangents, AreThoseThatBlenderWrote) {
+    const auto folder = kShared / "scenes/khronos-25_anisotropy";
+    if (!std::filesystem::exists(folder)) {
+        GTEST_SKIP() << "no shared data";
+    }
+    // The same file twice, once without its tangents, beside links to what it refers to.
+    TemporaryFolder copy;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        std::filesystem::create_symlink(std::filesystem::absolute(entry.path()),
+                                        copy / entry.path().filename().string());
+    }
+    const std::vector<std::byte> bytes = readFileBytes(folder / "25_anisotropy.gltf");
+    std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    for (size_t at = text.find("\"TANGENT\""); at != std::string::npos; at = text.find("\"TANGENT\"", at)) {
+        text.replace(at, 9, "\"_ABSENT\"");
+    }
+    writeText(copy / "generated.gltf", text);
+    const Scene written = loadGltf(copy / "25_anisotropy.gltf"),
+                generated = loadGltf(copy / "generated.gltf");
+    size_t compared = 0;
+    for (size_t m = 0; m < written.meshes.size(); ++m) {
+        const Mesh &theirs = written.meshes[m], &ours = generated.meshes[m];
+        for (size_t t = 0; t < theirs.triangles.size() && !theirs.tangents.empty(); ++t) {
+            for (int k = 0; k < 3; ++k, ++compared) {
+                const glm::vec4 a = theirs.tangents[theirs.triangles[t][k]],
+                                b = ours.tangents[ours.triangles[t][k]];
+                ASSERT_GT(glm::dot(glm::vec3(a), glm::vec3(b)), 0.999999f) << theirs.name << " " << t;
+                ASSERT_EQ(a.w, b.w);
+            }
+        }
+    }
+    EXPECT_EQ(compared, 3840u);
+}
 
 TEST(BadInputs, EachGivesAnErrorThatNamesFileAndPlace) {
     if (!std::filesystem::exists(kShared / "bad-inputs")) {
