@@ -10,7 +10,7 @@ struct Services;
 struct HttpConfig {
     std::string host = "127.0.0.1";
     int port = 0;              // 0: any free one
-    int keepAliveSeconds = 5;  // an idle connection holds a thread
+    int keepAliveSeconds = 1;  // an idle connection holds a thread, and a server that stops waits for it
 };
 
 /// Serves the routes table over HTTP/1.1. Binds in the constructor; throws Error(unavailable) that

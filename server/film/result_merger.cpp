@@ -15,7 +15,8 @@ std::string nameOf(const PassFilm& film) {
            std::to_string(film.samples.first) + "+" + std::to_string(film.samples.count);
 }
 
-// Every part is one of the lease's passes, once, and covers its tile. Pixels are judged when merged.
+// Every part is one of the lease's passes, once, and covers its tile. Pixels are judged as they are merged,
+// or held: a pass over them costs as much as the merge itself.
 void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& films) {
     std::set<std::pair<uint32_t, uint32_t>> wanted;
     for (const LeasedPass& pass : target.lease.passes) wanted.emplace(pass.tile, pass.samples.first);
@@ -27,7 +28,6 @@ void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& fil
         if (film.rect != target.job->grid.rect(film.tile)) {
             throw Error(ErrorCode::unprocessable, nameOf(film) + " does not cover its tile");
         }
-        requireUsable(film);
     }
     if (films.empty()) throw Error(ErrorCode::unprocessable, "the result holds no pass");
 }
@@ -182,6 +182,7 @@ void ResultMerger::mergeTile(const ResultTarget& target, TileMerge& tile, std::v
 
 void ResultMerger::holdEarly(Plan& plan) {
     if (plan.early.empty()) return;
+    for (const PassFilm* film : plan.early) requireUsable(*film);
     const auto [name, offsets] = films_.hold(plan.early);
     for (size_t i = 0; i < plan.early.size(); ++i) {
         const PassFilm& film = *plan.early[i];
