@@ -16,7 +16,7 @@ namespace tilefarm {
 
 namespace {
 
-constexpr const char* kDefaultServer = "http://127.0.0.1:8080";
+constexpr const char* kDefaultServer = "http://127.0.0.1:8700";
 
 // All that the words may set. One object per run; the commands take what is theirs.
 struct Arguments {

@@ -61,6 +61,11 @@ json allJobs(FarmClient& farm, const std::string& state) {
     }
 }
 
+std::string frameRange(const json& frames) {
+    const int64_t first = frames.at("first"), last = first + frames.at("count").get<int64_t>() - 1;
+    return first == last ? fmt::format("frame {}", first) : fmt::format("frames {} to {}", first, last);
+}
+
 void printJob(const json& view, std::ostream& out) {
     const json& spec = view.at("spec");
     const json &image = spec.at("image"), &frames = spec.at("frames");
@@ -68,9 +73,8 @@ void printJob(const json& view, std::ostream& out) {
                        printable(cell(spec, "name")));
     out << fmt::format("  scene           {}, camera {}\n", printable(cell(spec.at("scene"), "entry")),
                        printable(cell(spec, "camera")));
-    out << fmt::format("  image           {} x {}, {} samples, {} frames from {}\n", cell(image, "width"),
-                       cell(image, "height"), cell(spec.at("stop"), "samples"), cell(frames, "count"),
-                       cell(frames, "first"));
+    out << fmt::format("  image           {} x {}, {} samples, {}\n", cell(image, "width"),
+                       cell(image, "height"), cell(spec.at("stop"), "samples"), frameRange(frames));
     out << fmt::format("  progress        {}, {} samples of the current frame\n", percent(view),
                        cell(view, "samplesMerged"));
     out << fmt::format("  relative error  {}\n", cell(view, "relativeError"));

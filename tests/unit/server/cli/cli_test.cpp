@@ -138,7 +138,8 @@ TEST_F(CliTest, ShowsJobsAndWorkers) {
     EXPECT_EQ(run({"jobs", "--json", "--state", "queued"}), kDone);
     EXPECT_EQ(json::parse(out).size(), 1u);
     EXPECT_EQ(run({"job", "1"}), kDone);
-    EXPECT_THAT(out, AllOf(HasSubstr("job 1  running"), HasSubstr("640 x 360"), HasSubstr("scene.gltf")));
+    EXPECT_THAT(out, AllOf(HasSubstr("job 1  running"), HasSubstr("640 x 360, 64 samples, frame 0\n"),
+                           HasSubstr("scene.gltf")));
     EXPECT_EQ(run({"job", "1", "--json"}), kDone);
     EXPECT_EQ(json::parse(out)["id"], "1");
     EXPECT_EQ(run({"workers"}), kDone);
