@@ -8,7 +8,7 @@
 #     TILEFARM_DEMO_WIDTH=960  TILEFARM_DEMO_HEIGHT=540   pixels
 #     TILEFARM_DEMO_SAMPLES=128                           per pixel
 #     TILEFARM_DEMO_BOUNCES=8                             surface scatterings of a path
-#     TILEFARM_DEMO_EXPOSURE=0.15                         stops, of the PNG only
+#     TILEFARM_DEMO_EXPOSURE=0.15                         stops, of the PNG only; 0 for other scenes
 #     TILEFARM_DEMO_TONE=pbrNeutral                       linear, aces or pbrNeutral, of the PNG only
 #     TILEFARM_DEMO_WORKERS=2
 #     TILEFARM_DEMO_OUT=build/demo                        folder for the pictures and the report
@@ -26,7 +26,7 @@ if [ $# -ge 1 ]; then scene=$(absolute "$1") environment=; fi
 if [ $# -ge 2 ]; then environment=$(absolute "$2"); fi
 width=${TILEFARM_DEMO_WIDTH:-960} height=${TILEFARM_DEMO_HEIGHT:-540}
 samples=${TILEFARM_DEMO_SAMPLES:-128} bounces=${TILEFARM_DEMO_BOUNCES:-8}
-exposure=${TILEFARM_DEMO_EXPOSURE:-0.15} tone=${TILEFARM_DEMO_TONE:-pbrNeutral}
+exposure=${TILEFARM_DEMO_EXPOSURE:-$([ $# -ge 1 ] && echo 0 || echo 0.15)} tone=${TILEFARM_DEMO_TONE:-pbrNeutral}
 workers=${TILEFARM_DEMO_WORKERS:-2}
 out=$(realpath -m "${TILEFARM_DEMO_OUT:-$farm_root/build/demo}")
 name=$(basename "${scene%.*}")

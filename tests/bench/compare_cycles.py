@@ -17,6 +17,7 @@ Tilefarm around the whole process. Runs of the two alternate; medians count.
 """
 import argparse
 import json
+import os
 import pathlib
 import statistics
 import subprocess
@@ -67,7 +68,9 @@ def inside_blender(scene_file, size, threads):
 def cycles_seconds(scene, size, threads):
     command = ["blender", "--background", "-noaudio", "--factory-startup", "--python-exit-code", "1", "--python",
                __file__, "--", "--inside-blender", str(scene), str(size), str(threads)]
-    done = subprocess.run(command, capture_output=True, text=True)
+    # The system's Python lives inside Blender, which looks for its modules by PATH: another one there leads it astray.
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    done = subprocess.run(command, capture_output=True, text=True, env={**environment, "PATH": "/usr/bin:/bin"})
     for line in done.stdout.splitlines():
         if line.startswith("CYCLES "):
             found = json.loads(line[len("CYCLES "):])
@@ -95,7 +98,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=root / "build/release")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--size", type=int, default=512, help="pixels, square")
-    parser.add_argument("--threads", type=int, default=len(__import__("os").sched_getaffinity(0)), help="of Cycles")
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="of Cycles")
     parser.add_argument("--device", type=int, help="of tilefarm-worker")
     parser.add_argument("--json", type=pathlib.Path)
     options = parser.parse_args()
