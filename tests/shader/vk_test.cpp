@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "affine.comp.h"
-#include "shared/error/error.h"
 #include "tests/shader/device_fixture.h"
+#include "tests/support/expect_error.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm::gpu {
@@ -24,17 +24,6 @@ std::vector<float> readFloats(const StorageBuffer& buffer, size_t count) {
     std::vector<float> values(count);
     buffer.read(std::as_writable_bytes(std::span(values)));
     return values;
-}
-
-// Runs `work` and gives the Error that it throws.
-template <typename Work>
-Error errorOf(Work&& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error;
-    }
-    return Error(ErrorCode::internal, "nothing was thrown");
 }
 
 class Vk : public DeviceTest {
@@ -171,19 +160,19 @@ TEST_F(Vk, WrongUseIsAnErrorNotAFault) {
     StorageBuffer values(device, 16, "values");
     const auto pipeline = affine(1);
     CommandRun run(device);
-    const auto push = bytesOfValue(0.0f);
-    const auto code = [&](auto&& work) { return errorOf(work).code; };
+    const float nothing = 0;
+    const auto push = bytesOfValue(nothing);
     const std::vector<Binding> good{table({}), values, count(1)}, wrongKind{values, values, count(1)};
-    EXPECT_EQ(code([&] { run.dispatch(pipeline, {values}, push, 1); }), ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { run.dispatch(pipeline, wrongKind, push, 1); }), ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { run.dispatch(pipeline, good, {}, 1); }), ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { run.dispatch(pipeline, good, push, device.limits().groups[0] + 1); }),
+    EXPECT_EQ(codeOf([&] { run.dispatch(pipeline, {values}, push, 1); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { run.dispatch(pipeline, wrongKind, push, 1); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { run.dispatch(pipeline, good, {}, 1); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { run.dispatch(pipeline, good, push, device.limits().groups[0] + 1); }),
               ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { values.upload(bytesOf(ramp(5))); }), ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { run.read(values, 8, 12); }), ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { TexelBuffer(device, TexelFormat::rgba32f, bytesOf(ramp(3)), "t"); }),
+    EXPECT_EQ(codeOf([&] { values.upload(bytesOf(ramp(5))); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { run.read(values, 8, 12); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { TexelBuffer(device, TexelFormat::rgba32f, bytesOf(ramp(3)), "t"); }),
               ErrorCode::invalidArgument);
-    EXPECT_EQ(code([&] { UniformBuffer(device, 16385, "u"); }), ErrorCode::invalidArgument);
+    EXPECT_EQ(codeOf([&] { UniformBuffer(device, 16385, "u"); }), ErrorCode::invalidArgument);
 }
 
 TEST(VkDevices, TheDefaultDeviceIsListedAndUsable) {

@@ -31,9 +31,10 @@ public:
     TraceKernel(const gpu::Device& device, std::span<const glm::vec3> corners,
                 const TraceOptions& options = {});
 
-    std::vector<TracedHit> trace(std::span<const TestRay> rays);
+    /// Traces them all, `times` over for the sake of the clock.
+    std::vector<TracedHit> trace(std::span<const TestRay> rays, int times = 1);
     TracedHit trace(const TestRay& ray) { return trace(std::span(&ray, 1)).front(); }
-    /// Device seconds of the last call's dispatch, and processor seconds of this process meanwhile.
+    /// Device seconds of one dispatch of the last call, and processor seconds of this process meanwhile.
     double seconds() const { return seconds_; }
     double processorSeconds() const { return processorSeconds_; }
     const Bvh& bvh() const { return bvh_; }

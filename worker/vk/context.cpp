@@ -101,11 +101,14 @@ void rethrow(const std::string& doing) {
     }
 }
 
-Device::Context::Context(uint32_t index, DeviceOptions options)
-    : instance(makeInstance(vulkanLoader(), options.validation || validationByEnvironment(), log)) {
-    if (options.validation || validationByEnvironment())
-        messenger = vk::raii::DebugUtilsMessengerEXT(instance, messengerInfo(log));
-    Found found = findDevice(instance, index);
+Device::Context::Context(uint32_t index, DeviceOptions options) {
+    const vk::raii::Instance* instance = &plainInstance();
+    if (options.validation || validationByEnvironment()) {
+        validated = validatedInstance(log);
+        messenger = vk::raii::DebugUtilsMessengerEXT(validated, messengerInfo(log));
+        instance = &validated;
+    }
+    Found found = findDevice(*instance, index);
     physical = std::move(found.physical);
     info = found.info;
     limits = found.limits;

@@ -90,8 +90,8 @@ struct Device::Context {
     Context(uint32_t index, DeviceOptions options);
     ~Context();
 
-    ValidationLog log;  // first: outlives the instance that writes to it
-    vk::raii::Instance instance;
+    ValidationLog log;                       // first: outlives the instance that writes to it
+    vk::raii::Instance validated = nullptr;  // under validation, else plainInstance() is used
     vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
     vk::raii::PhysicalDevice physical = nullptr;
     DeviceInfo info;

@@ -10,13 +10,9 @@ namespace tilefarm::gpu {
 std::vector<DeviceInfo> listDevices() {
     std::vector<DeviceInfo> devices;
     try {
-        ValidationLog log;
-        const auto instance = makeInstance(vulkanLoader(), false, log);
-        for (Found& found : findDevices(instance)) devices.push_back(std::move(found.info));
+        for (Found& found : findDevices(plainInstance())) devices.push_back(std::move(found.info));
     } catch (const vk::Error&) {
         // No driver at all (incompatible driver), or none that comes up: there is nothing to list.
-    } catch (const Error&) {
-        throw;
     } catch (const std::runtime_error&) {
         // The loader library itself is missing.
     }

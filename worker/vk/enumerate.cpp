@@ -22,6 +22,13 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
     return VK_FALSE;
 }
 
+const vk::ApplicationInfo kApplication("tilefarm", 1, nullptr, 0, VK_API_VERSION_1_2);
+
+const vk::raii::Context& vulkanLoader() {
+    static const auto* loader = new vk::raii::Context;
+    return *loader;
+}
+
 bool hasValidationLayer(const vk::raii::Context& loader) {
     for (const auto& layer : loader.enumerateInstanceLayerProperties())
         if (std::strcmp(layer.layerName, kValidationLayer) == 0) return true;
@@ -121,20 +128,20 @@ void useShaderCache(const std::filesystem::path& folder) {
     ::setenv("MESA_SHADER_CACHE_DIR", cacheFolder().c_str(), 0);
 }
 
-const vk::raii::Context& vulkanLoader() {
-    static const auto* loader = new vk::raii::Context;
-    return *loader;
-}
-
 vk::DebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log) {
     using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
     using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
     return {{}, Severity::eWarning | Severity::eError, Type::eValidation, onMessage, &log};
 }
 
-vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation, ValidationLog& log) {
-    const vk::ApplicationInfo application("tilefarm", 1, nullptr, 0, VK_API_VERSION_1_2);
-    if (!validation) return vk::raii::Instance(loader, vk::InstanceCreateInfo({}, &application));
+const vk::raii::Instance& plainInstance() {
+    static const auto* instance =
+        new vk::raii::Instance(vulkanLoader(), vk::InstanceCreateInfo({}, &kApplication));
+    return *instance;
+}
+
+vk::raii::Instance validatedInstance(ValidationLog& log) {
+    const vk::raii::Context& loader = vulkanLoader();
     if (!hasValidationLayer(loader))
         throw Error(
             ErrorCode::unprocessable,
@@ -143,8 +150,8 @@ vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation
     const std::vector<const char*> layers{kValidationLayer}, extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
     const vk::ValidationFeatureEnableEXT synchronization =
         vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
-    vk::StructureChain chain{vk::InstanceCreateInfo({}, &application, layers, extensions), messengerInfo(log),
-                             vk::ValidationFeaturesEXT(1, &synchronization)};
+    vk::StructureChain chain{vk::InstanceCreateInfo({}, &kApplication, layers, extensions),
+                             messengerInfo(log), vk::ValidationFeaturesEXT(1, &synchronization)};
     return vk::raii::Instance(loader, chain.get<vk::InstanceCreateInfo>());
 }
 

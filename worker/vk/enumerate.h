@@ -23,12 +23,15 @@ bool validationByEnvironment();
 /// The folder of useShaderCache; empty if none was named.
 const std::filesystem::path& shaderCacheFolder();
 
-/// Throws Error(unprocessable) if validation is wanted and its layer is not installed.
-/// The Vulkan loader, opened at the first call and kept to the end of the process: NVIDIA's driver finds no
+/// The instance that lists devices and opens them without validation. Made at the first call that finds a
+/// driver and kept to the end of the process, with it the loader and the drivers: NVIDIA's driver finds no
 /// device any more after it was loaded and unloaded a dozen times (seen with 580.159). Throws
-/// std::runtime_error if there is no loader.
-const vk::raii::Context& vulkanLoader();
-vk::raii::Instance makeInstance(const vk::raii::Context& loader, bool validation, ValidationLog& log);
+/// std::runtime_error if there is no loader, vk::IncompatibleDriverError if there is no driver.
+const vk::raii::Instance& plainInstance();
+
+/// An instance under the validation layers, which begin to send to `log` at once. Throws Error(unprocessable)
+/// if they are not installed.
+vk::raii::Instance validatedInstance(ValidationLog& log);
 
 /// Sends warnings and errors of validation to `log`. (Loader and driver chatter is of another type.)
 vk::DebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationLog& log);
