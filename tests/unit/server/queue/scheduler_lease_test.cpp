@@ -241,6 +241,13 @@ TEST_F(SchedulerTest, KeepsOneReportPerWorkerAndJob) {
     store.read([&](const ConstTables& t) { EXPECT_EQ(t.workers.reports(job(id).key).size(), 1u); });
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr double kMostMilliseconds = 2000;
+#else
+constexpr double kMostMilliseconds =
+    200;  // about 10 on an idle machine; a scan of the frame takes longer than this
+#endif
+
 TEST(SchedulerSpeed, LeasesFromAHugeFrameInMilliseconds) {
     TestFarm farm;
     JobSpec spec = smallJob(4);
@@ -260,7 +267,7 @@ TEST(SchedulerSpeed, LeasesFromAHugeFrameInMilliseconds) {
     for (int i = 0; i < 20; ++i) farm.lease("w" + std::to_string(i));
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - begin;
     RecordProperty("millisecondsPerLease", std::to_string(spent.count() / 20));
-    EXPECT_LT(spent.count() / 20, 100);  // generous: a loaded machine, a sanitizer; about 10 alone
+    EXPECT_LT(spent.count() / 20, kMostMilliseconds);
 }
 
 }  // namespace
