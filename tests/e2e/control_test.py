@@ -3,7 +3,7 @@ import hashlib
 
 from farm import DATA, FarmTest, until
 
-LONG = dict(width=128, height=128, samples=4096, tile_size=32)  # never to be finished here
+LONG = dict(width=128, height=128, samples=65536, tile_size=32)  # never to be finished here
 SHORT = dict(width=64, height=48, samples=4, tile_size=16)
 
 
@@ -12,7 +12,7 @@ class Moves(FarmTest):
         self.start_server(lease_seconds=1.5)
         (worker,) = self.start_workers(1)
         job = self.submit(DATA / "cornell.gltf", **LONG)
-        self.wait_for_progress(job, 0.001)
+        self.wait_for_progress(job, 0.002)
         self.assertEqual(self.call("POST", f"/v1/jobs/{job}/cancel").json()["state"], "canceled")
         self.assertEqual(self.call("POST", f"/v1/jobs/{job}/resume").status, 409)
         next_job = self.submit(DATA / "cornell.gltf", **SHORT)
@@ -24,7 +24,7 @@ class Moves(FarmTest):
         self.assertEqual(self.job(job)["progress"]["passesMerged"], merged, "nothing comes in after a cancel")
 
     def test_pause_and_resume(self):
-        settings = dict(width=128, height=128, samples=96, tile_size=32)
+        settings = dict(width=128, height=128, samples=self.samples_for(1.5), tile_size=32)
         self.start_server()
         self.start_workers(1)
         job = self.submit(DATA / "cornell.gltf", **settings)

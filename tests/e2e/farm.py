@@ -4,6 +4,7 @@ Nothing outlives its test: processes are killed in clean-up, and by the kernel i
 for a fact until a deadline; none is a guess at how long something takes.
 """
 import ctypes
+import functools
 import hashlib
 import http.client
 import json
@@ -46,6 +47,14 @@ def until(fact, what, deadline=DEADLINE):
             return value
         time.sleep(0.02)
     raise AssertionError(f"waited {deadline} s in vain for {what}")
+
+
+@functools.lru_cache(None)
+def software_device():
+    """The same device on every machine: bits are promised on one device only, and a GPU is over too soon."""
+    out = subprocess.run([BIN / "tilefarm-worker", "devices", "--json"], stdout=subprocess.PIPE, check=True).stdout
+    devices = [d for d in json.loads(out)["devices"] if d["usable"]]
+    return next(d["index"] for d in sorted(devices, key=lambda d: not d["cpu"]))
 
 
 class Program:
@@ -129,13 +138,22 @@ class FarmTest(unittest.TestCase):
         number = len(self.programs)
         return self.start(f"worker{number}", BIN / "tilefarm-worker", "--server", self.url, "--cache",
                           self.folder / f"cache{number}", "--name", f"w{number}", "--want-seconds", want_seconds,
-                          *options)
+                          "--device", software_device(), *options)
 
     def start_workers(self, count, **options):
         """Workers that have asked for work: they share what comes from the first pass on."""
         workers = [self.start_worker(**options) for _ in range(count)]
         until(lambda: len(self.get("/v1/workers")["workers"]) >= count, "the workers to ask for work")
         return workers
+
+    def samples_for(self, seconds, width=128, height=128, tile_size=32):
+        """Samples per pixel that take this machine about so long: a test of something in the middle of a job needs
+        one that lasts, on two cores and on sixty-four. Never a power of two, so the last pass is cut."""
+        settings = dict(width=width, height=height, tile_size=tile_size)
+        self.render_here(DATA / "cornell.gltf", "warm.exr", samples=1, **settings)
+        _, report = self.render_here(DATA / "cornell.gltf", "pace.exr", samples=24, **settings)
+        pace = report["samples"] / report["seconds"]
+        return max(32, int(pace * seconds / (width * height))) * 2 + 1
 
     def run_program(self, program, *arguments):
         """Runs one to its end; exit code, standard output, standard error."""
@@ -218,7 +236,7 @@ class FarmTest(unittest.TestCase):
         exr, report = self.folder / name, self.folder / (name + ".json")
         words = [w for key, value in options.items() for w in ("--" + key.replace("_", "-"), value)]
         code, out, err = self.run_program("tilefarm-worker", "render", scene, "-o", exr, "--report", report, "--cache",
-                                          self.folder / "cache", *words)
+                                          self.folder / "cache", "--device", software_device(), *words)
         self.assertEqual(code, 0, out + err)
         return exr, json.loads(report.read_text())
 

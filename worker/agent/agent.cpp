@@ -65,7 +65,10 @@ void Agent::step() {
         work(*lease, kept);
         return;  // the Uploader lets go of the lease
     } catch (const Abandoned&) {
-        if (kept->state == LeaseState::held) handBack(*kept);
+        if (kept->state == LeaseState::held) {
+            handBack(*kept);
+            with_.pause.waitFor(failures_.next());  // the same lease may come back at once
+        }
     } catch (const std::exception& error) {
         spdlog::error("job {}: {}", lease->jobId, error.what());
         letGo();

@@ -10,7 +10,6 @@ using enum ErrorCode;
 constexpr Endpoint kEndpoints[] = {Endpoint::lease,    Endpoint::blob,    Endpoint::renew, Endpoint::result,
                                    Endpoint::handBack, Endpoint::failure, Endpoint::report};
 
-// What FARM.md publishes, status by status.
 TEST(Actions, CredentialsAndVersionsStopAWorkerWhereverTheyAreRefused) {
     for (const Endpoint endpoint : kEndpoints)
         for (const ErrorCode code : {unauthorized, forbidden, versionRefused})

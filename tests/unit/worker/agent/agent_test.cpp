@@ -25,7 +25,7 @@ struct AgentTest : testing::Test {
     }
 
     TemporaryFolder folder;
-    FakeFarm farm;
+    MemoryFarm farm;
     FakeBackend backend;
     FakeClock clock;
     FakePause pause{clock};

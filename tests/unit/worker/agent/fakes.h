@@ -39,7 +39,7 @@ struct FakePause : Pause {
 
 /// A server in memory: grants the leases it was given in turn, takes results, and fails on request.
 /// Any thread may call.
-struct FakeFarm : Farm {
+struct MemoryFarm : Farm {
     struct Upload {
         std::string leaseId;
         uint64_t epoch;
@@ -63,7 +63,7 @@ struct FakeFarm : Farm {
         helloed = hello;
         if (leases.empty()) {
             if (onIdle) onIdle();
-            return NoWork{1000};
+            return NoWork{retryAfterMs};
         }
         Lease granted = leases.front();
         leases.pop_front();
@@ -109,6 +109,7 @@ struct FakeFarm : Farm {
     std::map<Endpoint, std::deque<ErrorCode>> faults;
     std::map<Endpoint, int> calls;
     WorkerHello helloed;
+    uint32_t retryAfterMs = 1000;
     std::vector<std::string> renewed, handedBack;
     std::vector<Upload> uploads;
     std::vector<std::pair<std::string, std::string>> failures;
@@ -126,9 +127,9 @@ private:
     }
 };
 
-/// Hands every call to one FakeFarm, so that each thread of a worker can own a Farm.
+/// Hands every call to one MemoryFarm, so that each thread of a worker can own a Farm.
 struct SharedFarm : Farm {
-    explicit SharedFarm(FakeFarm& f) : farm(f) {}
+    explicit SharedFarm(MemoryFarm& f) : farm(f) {}
     std::variant<Lease, NoWork> lease(const WorkerHello& h, double w) override { return farm.lease(h, w); }
     void getBlob(const std::string& s, const std::filesystem::path& f) override { farm.getBlob(s, f); }
     void renew(const std::string& l, uint64_t e) override { farm.renew(l, e); }
@@ -140,7 +141,7 @@ struct SharedFarm : Farm {
     void reportScene(const std::string& l, uint64_t e, const PreparedScene& s) override {
         farm.reportScene(l, e, s);
     }
-    FakeFarm& farm;
+    MemoryFarm& farm;
 };
 
 /// What a pixel of the fake device is: known to tests, different for each pixel and sample range.
@@ -209,7 +210,7 @@ struct FakeBackend : RenderBackend {
 };
 
 /// A lease of a job of 16 x 8 pixels in two tiles, its scene one blob of that farm.
-inline Lease fakeLease(FakeFarm& farm, const std::string& id, const std::string& job = "job1") {
+inline Lease fakeLease(MemoryFarm& farm, const std::string& id, const std::string& job = "job1") {
     Lease lease;
     lease.id = id;
     lease.epoch = 5;

@@ -17,7 +17,7 @@ struct LeaseKeeperTest : testing::Test {
         return lease;
     }
 
-    FakeFarm farm;
+    MemoryFarm farm;
     FakeClock clock;
     Standing standing;
     LeaseKeeper keeper{farm, standing, clock};

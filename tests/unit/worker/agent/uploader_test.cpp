@@ -42,7 +42,7 @@ struct UploaderTest : testing::Test {
     }
 
     TemporaryFolder folder;
-    FakeFarm farm;
+    MemoryFarm farm;
     FakeClock clock;
     FakePause pause{clock};
     Standing standing;

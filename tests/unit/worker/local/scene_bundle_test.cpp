@@ -48,8 +48,7 @@ TEST_F(SceneBundleTest, NamesAFileThatIsNotThere) {
 }
 
 TEST_F(SceneBundleTest, AnEnvironmentNeverTakesTheNameOfAnotherFile) {
-    const auto entry =
-        write("scene.gltf", R"({"asset": {"version": "2.0"},
+    const auto entry = write("scene.gltf", R"({"asset": {"version": "2.0"},
         "images": [{"uri": "environment/sky.hdr"}]})");
     write("environment/sky.hdr", "one");
     const SceneBundle bundle = bundleOf({entry, write("elsewhere/sky.hdr", "other")});
