@@ -27,7 +27,7 @@ std::string progressJson(const JobRow& job, const FrameRow& frame) {
                  {"frame", frame.frame},
                  {"passes", job.passes},
                  {"passesMerged", job.passesMerged},
-                 {"fraction", static_cast<double>(job.passesMerged) / static_cast<double>(job.passes)},
+                 {"fraction", job.fractionDone()},
                  {"samplesMerged", frame.samplesMerged},
                  {"relativeError", maybe(frame.relativeError)},
                  {"deviceSeconds", job.deviceSeconds},

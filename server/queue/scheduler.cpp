@@ -25,6 +25,7 @@ JobRow newRow(const JobSpec& spec, TimePoint now) {
     row.created = now;
     row.frames = spec.frames.count;
     row.passes = JobInfo(0, row.id, spec).passes();
+    row.pixelSamples = uint64_t{spec.image.width} * spec.image.height * spec.stop.samples * spec.frames.count;
     return row;
 }
 

@@ -61,6 +61,7 @@ ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& m
         frame.deviceSeconds += seconds;
         job.deviceSeconds += seconds;
         job.passesMerged += tally.merged;
+        job.pixelSamplesMerged += tally.samples;
         frame.passesMerged += tally.merged;
         if (tally.merged > 0) {
             ++frame.revision;

@@ -28,6 +28,8 @@ struct JobRow {
     std::optional<TimePoint> started, finished;
     uint64_t passes = 0;        // of all frames
     uint64_t passesMerged = 0;  // accepted and durable
+    uint64_t pixelSamples = 0;  // the same as work: passes differ much in samples
+    uint64_t pixelSamplesMerged = 0;
     uint32_t frames = 0;
     uint32_t framesStarted = 0;  // frame rows exist for the first so many frames
     uint32_t framesDone = 0;
@@ -36,6 +38,12 @@ struct JobRow {
     double deviceSeconds = 0;
     uint64_t droppedSamples = 0;
     std::vector<std::string> faults;
+
+    double fractionDone() const {
+        return pixelSamples == 0
+                   ? 0
+                   : static_cast<double>(pixelSamplesMerged) / static_cast<double>(pixelSamples);
+    }
 };
 
 /// active: passes are handed out; finishing: all merged, the image is being written.

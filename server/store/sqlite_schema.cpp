@@ -27,6 +27,8 @@ CREATE TABLE jobs (
     finished        INTEGER,
     passes          INTEGER NOT NULL CHECK (passes > 0),
     passes_merged   INTEGER NOT NULL CHECK (passes_merged BETWEEN 0 AND passes),
+    pixel_samples        INTEGER NOT NULL,
+    pixel_samples_merged INTEGER NOT NULL CHECK (pixel_samples_merged BETWEEN 0 AND pixel_samples),
     frames          INTEGER NOT NULL CHECK (frames > 0),
     frames_started  INTEGER NOT NULL CHECK (frames_started BETWEEN 0 AND frames),
     frames_done     INTEGER NOT NULL CHECK (frames_done BETWEEN 0 AND frames_started),

@@ -35,14 +35,16 @@ struct Jobs : JobTable {
         row.finished = q.maybeTime(9);
         row.passes = q.number<uint64_t>(10);
         row.passesMerged = q.number<uint64_t>(11);
-        row.frames = q.number<uint32_t>(12);
-        row.framesStarted = q.number<uint32_t>(13);
-        row.framesDone = q.number<uint32_t>(14);
-        row.samplesMerged = q.number<uint32_t>(15);
-        row.relativeError = q.maybeReal(16);
-        row.deviceSeconds = q.real(17);
-        row.droppedSamples = q.number<uint64_t>(18);
-        row.faults = splitLines(q.text(19));
+        row.pixelSamples = q.number<uint64_t>(12);
+        row.pixelSamplesMerged = q.number<uint64_t>(13);
+        row.frames = q.number<uint32_t>(14);
+        row.framesStarted = q.number<uint32_t>(15);
+        row.framesDone = q.number<uint32_t>(16);
+        row.samplesMerged = q.number<uint32_t>(17);
+        row.relativeError = q.maybeReal(18);
+        row.deviceSeconds = q.real(19);
+        row.droppedSamples = q.number<uint64_t>(20);
+        row.faults = splitLines(q.text(21));
         return row;
     }
     static std::optional<JobRow> first(Query& q) { return q.next() ? std::optional(row(q)) : std::nullopt; }
@@ -97,22 +99,23 @@ struct Jobs : JobTable {
         return row.idempotencyKey.empty() ? std::nullopt : std::optional(row.idempotencyKey);
     }
     JobKey insert(const JobRow& row) override {
-        auto q = c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+        auto q = c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.id, toString(row.state), row.priority, row.specJson, keyOrNull(row), row.bodyDigest,
-               row.created, row.started, row.finished, row.passes, row.passesMerged, row.frames,
-               row.framesStarted, row.framesDone, row.samplesMerged, row.relativeError, row.deviceSeconds,
-               row.droppedSamples, joinLines(row.faults))
+               row.created, row.started, row.finished, row.passes, row.passesMerged, row.pixelSamples,
+               row.pixelSamplesMerged, row.frames, row.framesStarted, row.framesDone, row.samplesMerged,
+               row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults))
             .run();
         return c.db().getLastInsertRowid();
     }
     void update(const JobRow& row) override {
         auto q = c.query(
             "UPDATE jobs SET state=?, priority=?, started=?, finished=?, passes_merged=?, "
-            "frames_started=?, frames_done=?, samples_merged=?, relative_error=?, device_seconds=?, "
+            "pixel_samples_merged=?, frames_started=?, frames_done=?, samples_merged=?, "
+            "relative_error=?, device_seconds=?, "
             "dropped_samples=?, faults=? WHERE key=?");
         q.with(toString(row.state), row.priority, row.started, row.finished, row.passesMerged,
-               row.framesStarted, row.framesDone, row.samplesMerged, row.relativeError, row.deviceSeconds,
-               row.droppedSamples, joinLines(row.faults), row.key)
+               row.pixelSamplesMerged, row.framesStarted, row.framesDone, row.samplesMerged,
+               row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults), row.key)
             .run();
     }
 };

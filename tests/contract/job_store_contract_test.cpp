@@ -28,6 +28,7 @@ JobRow jobRow(const std::string& id, int32_t priority = 50) {
     row.specJson = "{}";
     row.created = kNow;
     row.passes = 100;
+    row.pixelSamples = 1000;
     row.frames = 2;
     return row;
 }
@@ -96,6 +97,7 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.state = JobState::running;
         job.started = kNow;
         job.passesMerged = 3;
+        job.pixelSamplesMerged = 7;
         job.relativeError = 0.25;
         job.deviceSeconds = 1.5;
         t.jobs.update(job);
@@ -108,6 +110,8 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.started, kNow);
         EXPECT_EQ(found.finished, std::nullopt);
         EXPECT_EQ(found.passesMerged, 3u);
+        EXPECT_EQ(found.pixelSamples, 1000u);
+        EXPECT_EQ(found.pixelSamplesMerged, 7u);
         EXPECT_EQ(found.relativeError, 0.25);
         EXPECT_EQ(found.deviceSeconds, 1.5);
         EXPECT_EQ(found.faults, (std::vector<std::string>{"one", "two words"}));

@@ -83,6 +83,15 @@ TEST(ResultMerger, AcceptsALateResultThatIsStillNeeded) {
     EXPECT_EQ(farm.job(id).state, JobState::completed);
 }
 
+TEST(ResultMerger, MeasuresProgressInSamplesRatherThanPasses) {
+    TestFarm farm(smallLeases());
+    const std::string id = farm.scheduler->submit(smallJob(8)).job.id;
+    for (const double fraction : {0.125, 0.25, 0.5, 1.0}) {
+        farm.deliver(farm.lease());
+        EXPECT_DOUBLE_EQ(farm.job(id).fractionDone(), fraction);
+    }
+}
+
 TEST(ResultMerger, RefusesWhatIsNotOfTheLease) {
     TestFarm farm(smallLeases());
     const std::string id = farm.scheduler->submit(smallJob()).job.id;
