@@ -105,7 +105,9 @@ TEST_F(BsdfTest, ClearGlassKeepsAllEnergyButWhatMaskingTakes) {
                 const Moments m = albedo(glass, cosTheta);
                 // Radiance is compressed by 1/eta² on its way through.
                 const double energy = m.mean - m.transmitted + m.transmitted * eta * eta;
-                // Single scattering: what microfacets shadow is lost, no more than a perfect mirror loses.
+                // Single scattering: what microfacets shadow is lost, hardly more than a perfect mirror
+                // loses. The 5e-3 are for refracted directions that turn back above the surface (2e-3 to 3e-3
+                // measured).
                 const double least = reflectionAlbedo(cosTheta, alpha, 1e9),
                              slack = 4 * m.sigma * eta * eta + 5e-3;
                 EXPECT_GE(energy, least - slack)
