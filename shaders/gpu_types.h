@@ -33,36 +33,65 @@ GPU_CONSTANT BINDING_PRIMITIVE_LIGHTS = 10;// T rgba32ui four light indices per 
 GPU_CONSTANT BINDING_ENVIRONMENT = 11;     // T rgba32f  radiance, rows from the top
 GPU_CONSTANT BINDING_ENVIRONMENT_ALIAS = 12;// T rgba32ui AliasRecord per texel
 GPU_CONSTANT BINDING_ALBEDO_TABLES = 13;   // T rgba32f  see bsdf/albedo_table.glsl
-GPU_CONSTANT BINDING_PARAMETERS = 14;      // S FrameParameters
-GPU_CONSTANT BINDING_TILES = 15;           // S uvec4 per tile: x, y, width, height
-GPU_CONSTANT BINDING_FILM = 16;            // S four vec4 per pixel, PassPixel of shared/film/film.h
-GPU_CONSTANT BINDING_COUNTERS = 17;        // S COUNTER_*
+GPU_CONSTANT BINDING_LIGHT_TREE = 14;      // T rgba32ui nodes of shaders/lights/light_tree.glsl
+GPU_CONSTANT BINDING_SHAPES = 15;          // T rgba32ui ShapeRecord
+GPU_CONSTANT BINDING_PARAMETERS = 16;      // S FrameParameters; all bindings before it are texels
+GPU_CONSTANT BINDING_TILES = 17;           // S uvec4 per tile: x, y, width, height
+GPU_CONSTANT BINDING_FILM = 18;            // S four vec4 per pixel, PassPixel of shared/film/film.h
+GPU_CONSTANT BINDING_COUNTERS = 19;        // S COUNTER_*
 
-// Effects. Each bit compiles its code in; a scene that does not call for it pays nothing.
-GPU_CONSTANT FEATURE_TEXTURES = 1u << 0;           // any texture but normal maps
-GPU_CONSTANT FEATURE_NORMAL_MAPS = 1u << 1;
-GPU_CONSTANT FEATURE_VERTEX_COLORS = 1u << 2;
-GPU_CONSTANT FEATURE_CUTOUT = 1u << 3;             // alpha mask or blend
-GPU_CONSTANT FEATURE_SPECULAR = 1u << 4;           // rough reflection: metals, dielectrics with ior ≠ 1
-GPU_CONSTANT FEATURE_MIRROR = 1u << 5;             // α below ALPHA_DELTA: reflection and refraction as delta lobes
-GPU_CONSTANT FEATURE_TRANSMISSION = 1u << 6;
-GPU_CONSTANT FEATURE_ATTENUATION = 1u << 7;        // Beer–Lambert inside transmissive solids
-GPU_CONSTANT FEATURE_EMISSIVE_TRIANGLES = 1u << 8;
-GPU_CONSTANT FEATURE_PUNCTUAL_LIGHTS = 1u << 9;
-GPU_CONSTANT FEATURE_ENVIRONMENT = 1u << 10;
-GPU_CONSTANT FEATURE_UNLIT = 1u << 11;
-GPU_CONSTANT FEATURE_ORTHOGRAPHIC = 1u << 12;
-GPU_CONSTANT FEATURE_FLOAT_TEXTURES = 1u << 13;    // 16-bit and HDR textures
-GPU_CONSTANT FEATURE_TEXTURE_TRANSFORMS = 1u << 14;
-GPU_CONSTANT FEATURE_SECOND_UV_SET = 1u << 15;
-GPU_CONSTANT FEATURE_NEAREST_FILTER = 1u << 16;
-GPU_CONSTANT FEATURE_COUNT = 17;
+// Effects, as numbers of bits. Each bit compiles its code in; a scene that does not call for it pays nothing.
+GPU_CONSTANT FEATURE_TEXTURES = 0;           // any texture but normal maps
+GPU_CONSTANT FEATURE_NORMAL_MAPS = 1;
+GPU_CONSTANT FEATURE_VERTEX_COLORS = 2;
+GPU_CONSTANT FEATURE_CUTOUT = 3;             // alpha mask or blend
+GPU_CONSTANT FEATURE_SPECULAR = 4;           // rough reflection: metals, dielectrics with ior ≠ 1
+GPU_CONSTANT FEATURE_MIRROR = 5;             // α below ALPHA_DELTA: reflection and refraction as delta lobes
+GPU_CONSTANT FEATURE_TRANSMISSION = 6;
+GPU_CONSTANT FEATURE_ATTENUATION = 7;        // Beer–Lambert inside transmissive solids
+GPU_CONSTANT FEATURE_EMISSIVE_TRIANGLES = 8;
+GPU_CONSTANT FEATURE_PUNCTUAL_LIGHTS = 9;
+GPU_CONSTANT FEATURE_ENVIRONMENT = 10;
+GPU_CONSTANT FEATURE_UNLIT = 11;
+GPU_CONSTANT FEATURE_ORTHOGRAPHIC = 12;
+GPU_CONSTANT FEATURE_FLOAT_TEXTURES = 13;    // 16-bit and HDR textures
+GPU_CONSTANT FEATURE_TEXTURE_TRANSFORMS = 14;
+GPU_CONSTANT FEATURE_SECOND_UV_SET = 15;
+GPU_CONSTANT FEATURE_NEAREST_FILTER = 16;
+GPU_CONSTANT FEATURE_SPECULAR_COLOR = 17;       // strength, colour and tint of dielectric reflection
+GPU_CONSTANT FEATURE_CLEARCOAT = 18;
+GPU_CONSTANT FEATURE_SHEEN = 19;
+GPU_CONSTANT FEATURE_ANISOTROPY = 20;
+GPU_CONSTANT FEATURE_IRIDESCENCE = 21;
+GPU_CONSTANT FEATURE_DISPERSION = 22;
+GPU_CONSTANT FEATURE_DIFFUSE_TRANSMISSION = 23;
+GPU_CONSTANT FEATURE_CONDUCTOR = 24;            // Fresnel from measured n and k
+GPU_CONSTANT FEATURE_ENERGY_COMPENSATION = 25;  // scattering more than once between microfacets
+GPU_CONSTANT FEATURE_OREN_NAYAR = 26;
+GPU_CONSTANT FEATURE_DISNEY_DIFFUSE = 27;       // retro-reflection and flat subsurface approximation
+GPU_CONSTANT FEATURE_DISNEY_SHEEN = 28;
+GPU_CONSTANT FEATURE_GTR1 = 29;                 // Disney's distribution of the clearcoat
+GPU_CONSTANT FEATURE_BECKMANN = 30;
+GPU_CONSTANT FEATURE_PHONG = 31;
+GPU_CONSTANT FEATURE_SCHLICK = 32;              // Schlick's curve for dielectrics
+GPU_CONSTANT FEATURE_SPHERE_LIGHTS = 33;
+GPU_CONSTANT FEATURE_QUAD_LIGHTS = 34;
+GPU_CONSTANT FEATURE_SUN_LIGHTS = 35;           // directional with an angular size
+GPU_CONSTANT FEATURE_LIGHT_TREE = 36;
+GPU_CONSTANT FEATURE_ALL_LIGHTS = 37;           // every light at every surface point
+GPU_CONSTANT FEATURE_LIGHT_SAMPLING_ONLY = 38;  // no multiple importance sampling: lights alone
+GPU_CONSTANT FEATURE_BSDF_SAMPLING_ONLY = 39;   // likewise: the BSDF alone
+GPU_CONSTANT FEATURE_ENVIRONMENT_ROTATION = 40;
+GPU_CONSTANT FEATURE_HIDDEN_ENVIRONMENT = 41;   // camera rays do not see it
+GPU_CONSTANT FEATURE_SHAPES = 42;               // surfaces other than triangles
+GPU_CONSTANT FEATURE_COUNT = 43;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
 GPU_CONSTANT SPEC_VERTEX_TEXELS = 1;
 GPU_CONSTANT SPEC_STACK_SIZE = 2;
-GPU_CONSTANT SPEC_COUNT = 3;
+GPU_CONSTANT SPEC_FEATURES_HIGH = 3;  // bits 32 and up
+GPU_CONSTANT SPEC_COUNT = 4;
 
 // Roughness α = perceptual roughness²; below this a lobe is a mirror (relMSE against α → 0 under 1e-3).
 #define ALPHA_DELTA 1e-3
@@ -72,7 +101,7 @@ GPU_CONSTANT NO_INDEX = 0xffffffffu;
 // Vertex texels: 0 normal.xyz, u0 | 1 v0, u1, v1, – | 2 tangent.xyz, handedness | 3 colour rgba.
 // A scene stores the shortest prefix that its effects read (SPEC_VERTEX_TEXELS).
 GPU_CONSTANT PRIMITIVE_TEXELS = 1;  // corner vertices i0, i1, i2, material
-GPU_CONSTANT MATERIAL_TEXELS = 7;
+GPU_CONSTANT MATERIAL_TEXELS = 18;
 GPU_CONSTANT TEXTURE_TEXELS = 3;
 GPU_CONSTANT LIGHT_TEXELS = 4;
 GPU_CONSTANT ALBEDO_TABLE_SIZE = 32;  // per side; a table has one more row, the averages
@@ -83,6 +112,11 @@ GPU_CONSTANT MATERIAL_MASK = 1u << 2;
 GPU_CONSTANT MATERIAL_BLEND = 1u << 3;
 GPU_CONSTANT MATERIAL_THIN = 1u << 4;      // transmission without refraction
 GPU_CONSTANT MATERIAL_EMISSIVE = 1u << 5;
+GPU_CONSTANT MATERIAL_BECKMANN = 1u << 6;  // neither of the two: GGX
+GPU_CONSTANT MATERIAL_PHONG = 1u << 7;
+GPU_CONSTANT MATERIAL_SCHLICK = 1u << 8;
+GPU_CONSTANT MATERIAL_CONDUCTOR = 1u << 9;
+GPU_CONSTANT MATERIAL_GTR1 = 1u << 10;
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -97,6 +131,9 @@ GPU_CONSTANT LIGHT_POINT = 1;
 GPU_CONSTANT LIGHT_SPOT = 2;
 GPU_CONSTANT LIGHT_DIRECTIONAL = 3;
 GPU_CONSTANT LIGHT_ENVIRONMENT = 4;
+GPU_CONSTANT LIGHT_QUAD = 5;
+GPU_CONSTANT LIGHT_SPHERE = 6;
+GPU_CONSTANT LIGHT_SUN = 7;
 
 // Words of the counter buffer, zeroed before every dispatch.
 GPU_CONSTANT COUNTER_RAYS = 0;
@@ -127,15 +164,27 @@ struct PassConstants {
 static_assert(sizeof(FrameParameters) == 128);
 static_assert(sizeof(PassConstants) == 16);
 
-// One per material; texel k holds bytes 16k … 16k + 15.
+// One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
+// (worker/scene/scene.h); texels from 7 on are read only where a feature asks for them.
 struct MaterialRecord {
-    vec3 baseColor; float alpha;
-    vec3 emission; float alphaCutoff;
-    float metallic, roughness, normalScale, ior;
-    float transmission; uint flags; uint albedoTable; float unused0;
-    vec3 absorption; float unused1;  // σ_a, 1/m
-    uint baseColorTexture, metallicRoughnessTexture, normalTexture, emissionTexture;
-    uint transmissionTexture; uint unused2[3];
+    vec3 baseColor; float alpha;                                                                  // 0
+    vec3 emission; float alphaCutoff;                                                             // 1
+    float metallic, roughness, normalScale, ior;                                                  // 2
+    float transmission; uint flags; uint albedoTable; float dispersion;                           // 3
+    vec3 absorption; float orenNayarSigma;                                                        // 4, σ_a 1/m, σ rad
+    uint baseColorTexture, metallicRoughnessTexture, normalTexture, emissionTexture;              // 5
+    uint transmissionTexture, specularTexture, specularColorTexture, clearcoatTexture;            // 6
+    vec3 specularColor; float specular;                                                           // 7
+    float clearcoat, clearcoatRoughness, clearcoatNormalScale, specularTint;                      // 8
+    uint clearcoatRoughnessTexture, clearcoatNormalTexture, sheenColorTexture, sheenRoughnessTexture;  // 9
+    vec3 sheenColor; float sheenRoughness;                                                        // 10
+    float anisotropy, anisotropyCos, anisotropySin, subsurface;                                   // 11
+    float iridescence, iridescenceIor, iridescenceThicknessMinimum, iridescenceThicknessMaximum;  // 12, nm
+    uint anisotropyTexture, iridescenceTexture, iridescenceThicknessTexture, diffuseTransmissionTexture;  // 13
+    vec3 diffuseTransmissionColor; float diffuseTransmission;                                     // 14
+    vec3 conductorEta; float disneySheen;                                                         // 15
+    vec3 conductorK; float disneySheenTint;                                                       // 16
+    uint diffuseTransmissionColorTexture; uint unused[3];                                         // 17
 };
 static_assert(sizeof(MaterialRecord) == 16 * MATERIAL_TEXELS);
 
@@ -160,6 +209,11 @@ static_assert(sizeof(LightRecord) == 16 * LIGHT_TEXELS);
 struct AliasRecord {
     uint threshold, alias; float pmf; uint unused;
 };
+
+/// The mask of one FEATURE_*.
+constexpr uint64_t bit(uint32_t feature) {
+    return uint64_t{1} << feature;
+}
 }  // namespace tilefarm::gpu
 #endif
 #undef GPU_CONSTANT

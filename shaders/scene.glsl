@@ -6,12 +6,13 @@
 #include "load.glsl"
 
 layout(constant_id = SPEC_FEATURES) const uint FEATURES = 0xffffffffu;
+layout(constant_id = SPEC_FEATURES_HIGH) const uint FEATURES_HIGH = 0xffffffffu;
 layout(constant_id = SPEC_VERTEX_TEXELS) const uint VERTEX_TEXELS = 4u;
 
 layout(constant_id = SPEC_STACK_SIZE) const uint kBvhStackSize = 64u;
-const bool kBvhNonOpaque = (FEATURES & FEATURE_CUTOUT) != 0u;
+const bool kBvhNonOpaque = (FEATURES >> FEATURE_CUTOUT & 1u) != 0u;
 
-bool has(uint feature) { return (FEATURES & feature) != 0u; }
+bool has(uint feature) { return ((feature < 32u ? FEATURES : FEATURES_HIGH) >> (feature & 31u) & 1u) != 0u; }
 
 layout(binding = BINDING_NODES) uniform usamplerBuffer bvhNodes;
 layout(binding = BINDING_TRIANGLES) uniform usamplerBuffer bvhTriangles;
@@ -27,6 +28,9 @@ layout(binding = BINDING_PRIMITIVE_LIGHTS) uniform usamplerBuffer primitiveLight
 layout(binding = BINDING_ENVIRONMENT) uniform samplerBuffer environmentTexels;
 layout(binding = BINDING_ENVIRONMENT_ALIAS) uniform usamplerBuffer environmentAliasTexels;
 layout(binding = BINDING_ALBEDO_TABLES) uniform samplerBuffer albedoTexels;
+
+layout(binding = BINDING_LIGHT_TREE) uniform usamplerBuffer lightTreeTexels;
+layout(binding = BINDING_SHAPES) uniform usamplerBuffer shapeTexels;
 
 layout(std430, binding = BINDING_PARAMETERS) readonly buffer Parameters { FrameParameters parameters; };
 

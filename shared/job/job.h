@@ -3,6 +3,10 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
+
+#include "shared/job/appearance.h"
+#include "shared/job/lighting.h"
 
 namespace tilefarm {
 
@@ -27,11 +31,31 @@ struct FrameRange {
     friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
 
+/// Which light a surface point asks.
+enum class LightSelection : uint8_t {
+    tree,     // one, by its estimated share at this point
+    power,    // one, by its power
+    uniform,  // one, all alike
+    all,      // every one
+};
+
+/// How light that comes straight from a light is estimated.
+enum class DirectLight : uint8_t {
+    mis,     // by sampling lights and by sampling the BSDF, weighted by the power heuristic
+    lights,  // by sampling lights alone
+    bsdf,    // by sampling the BSDF alone: never finds lights without extent
+};
+
 /// What decides a sample's value, beside scene, frame, pixel and sample index.
 struct RenderSettings {
     uint32_t seed = 0;
     uint32_t maxBounces = 8;     // surface scatterings after the camera ray; 0: emission only
     uint32_t rouletteStart = 4;  // bounces before Russian roulette; unbiased at any value
+    LightSelection lightSelection = LightSelection::power;
+    DirectLight directLight = DirectLight::mis;
+    Microfacets microfacets = Microfacets::ggx;  // of materials that do not say theirs
+    Fresnel fresnel = Fresnel::exact;            // likewise
+    bool energyCompensation = true;              // light that scatters more than once between microfacets
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 
@@ -43,10 +67,15 @@ struct StopCondition {
 struct JobSpec {
     std::string name;
     SceneBundle scene;
-    std::string camera = "auto";  // a camera or its node by name; "auto": the scene's first, else one that frames the scene
+    std::string camera =
+        "auto";  // a camera or its node by name; "auto": the scene's first, else one that frames the scene
     FrameRange frames;
     ImageSpec image;
     RenderSettings settings;
+    EnvironmentSettings environment;
+    std::vector<LightSettings> lights;        // added to the scene's
+    std::vector<MaterialOverride> materials;  // later ones win
+    std::string variant;  // of KHR_materials_variants; empty: the file's default materials
     StopCondition stop;
     int32_t priority = 50;  // 0 … 100, higher first
     friend bool operator==(const JobSpec&, const JobSpec&) = default;

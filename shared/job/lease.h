@@ -18,23 +18,23 @@ struct LeasedPass {
 
 /// What a worker says of itself when it asks for work.
 struct WorkerHello {
-    std::string worker;    // stable id, unique per process and device
-    std::string host;      // for people
-    std::string device;    // Vulkan device name
-    std::string driver;    // driver name and version
-    std::string version;   // TILEFARM_VERSION
+    std::string worker;   // stable id, unique per process and device
+    std::string host;     // for people
+    std::string device;   // Vulkan device name
+    std::string driver;   // driver name and version
+    std::string version;  // TILEFARM_VERSION
     friend bool operator==(const WorkerHello&, const WorkerHello&) = default;
 };
 
 /// Passes of one frame of one job on loan to one worker until a deadline.
 struct Lease {
     std::string id;
-    uint64_t epoch = 0;            // grows with every grant of the farm
+    uint64_t epoch = 0;  // grows with every grant of the farm
     std::string jobId;
     JobSpec spec;
     int32_t frame = 0;
     std::vector<LeasedPass> passes;  // by first sample, then tile
-    uint32_t expiresInMs = 30000;  // from the answer; renewing starts it anew
+    uint32_t expiresInMs = 30000;    // from the answer; renewing starts it anew
     uint32_t renewEveryMs = 10000;
     friend bool operator==(const Lease&, const Lease&) = default;
 };

@@ -16,18 +16,15 @@ struct Transition {
 
 /// Every move there is. server/queue is the only mover; the same rules stand in SQL as triggers.
 inline constexpr std::array kJobTransitions{
-    Transition{JobState::queued, JobState::running},     // its first pass is leased
-    Transition{JobState::queued, JobState::paused},
-    Transition{JobState::queued, JobState::canceled},
+    Transition{JobState::queued, JobState::running},  // its first pass is leased
+    Transition{JobState::queued, JobState::paused},     Transition{JobState::queued, JobState::canceled},
     Transition{JobState::running, JobState::completed},  // its last pass is merged
     Transition{JobState::running, JobState::failed},     // a pass failed
-    Transition{JobState::running, JobState::paused},
-    Transition{JobState::running, JobState::canceled},
-    Transition{JobState::paused, JobState::queued},      // resumed before it had begun
-    Transition{JobState::paused, JobState::running},     // resumed
-    Transition{JobState::paused, JobState::completed},   // the last leased pass came in meanwhile
-    Transition{JobState::paused, JobState::failed},
-    Transition{JobState::paused, JobState::canceled},
+    Transition{JobState::running, JobState::paused},    Transition{JobState::running, JobState::canceled},
+    Transition{JobState::paused, JobState::queued},     // resumed before it had begun
+    Transition{JobState::paused, JobState::running},    // resumed
+    Transition{JobState::paused, JobState::completed},  // the last leased pass came in meanwhile
+    Transition{JobState::paused, JobState::failed},     Transition{JobState::paused, JobState::canceled},
 };
 
 inline constexpr std::array kPassTransitions{

@@ -26,7 +26,9 @@ gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device) {
     spec.spirv = bsdf_probe_comp;
     spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
-    spec.constants = {gpu::FEATURE_SPECULAR | gpu::FEATURE_MIRROR | gpu::FEATURE_TRANSMISSION, 1};
+    const uint64_t features =
+        gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_MIRROR) | gpu::bit(gpu::FEATURE_TRANSMISSION);
+    spec.constants = {static_cast<uint32_t>(features), 1, 64, static_cast<uint32_t>(features >> 32)};
     spec.pushConstantBytes = sizeof(uint32_t);
     spec.name = "bsdf_probe";
     return {device, spec};

@@ -9,10 +9,49 @@ namespace {
 
 // In the order of the bits of gpu_types.h.
 constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
-    "textures",      "normal maps",       "vertex colours",      "alpha cutout",       "specular reflection",
-    "mirror",        "transmission",      "volume attenuation",  "emissive triangles", "punctual lights",
-    "environment",   "unlit materials",   "orthographic camera", "float textures",     "texture transforms",
-    "second UV set", "nearest filtering",
+    "textures",
+    "normal maps",
+    "vertex colours",
+    "alpha cutout",
+    "specular reflection",
+    "mirror",
+    "transmission",
+    "volume attenuation",
+    "emissive triangles",
+    "punctual lights",
+    "environment",
+    "unlit materials",
+    "orthographic camera",
+    "float textures",
+    "texture transforms",
+    "second UV set",
+    "nearest filtering",
+    "specular colour",
+    "clearcoat",
+    "sheen",
+    "anisotropy",
+    "iridescence",
+    "dispersion",
+    "diffuse transmission",
+    "measured conductors",
+    "energy compensation",
+    "Oren-Nayar",
+    "Disney diffuse",
+    "Disney sheen",
+    "GTR1 clearcoat",
+    "Beckmann distribution",
+    "Phong distribution",
+    "Schlick Fresnel",
+    "sphere lights",
+    "quad lights",
+    "sun lights",
+    "light tree",
+    "all lights at once",
+    "light sampling alone",
+    "BSDF sampling alone",
+    "environment rotation",
+    "hidden environment",
+    "shapes",
 };
 static_assert(!kNames.back().empty());
 
@@ -22,7 +61,7 @@ std::string_view featureName(uint32_t bit) {
     return kNames.at(bit);
 }
 
-FeatureReport reportFeatures(uint32_t features) {
+FeatureReport reportFeatures(uint64_t features) {
     FeatureReport report;
     for (uint32_t bit = 0; bit < gpu::FEATURE_COUNT; ++bit)
         ((features >> bit & 1u) != 0 ? report.used : report.leftOut).emplace_back(featureName(bit));

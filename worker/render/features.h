@@ -11,6 +11,6 @@ namespace tilefarm {
 std::string_view featureName(uint32_t bit);
 
 /// Which effects a kernel with these bits holds and which it leaves out, by name.
-FeatureReport reportFeatures(uint32_t features);
+FeatureReport reportFeatures(uint64_t features);
 
 }  // namespace tilefarm

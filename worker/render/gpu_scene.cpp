@@ -31,8 +31,8 @@ std::vector<uint32_t> padded(std::vector<uint32_t> indices) {
 }
 
 // Vertex data that no effect reads is not stored.
-uint32_t geometryFeatures(const WorldGeometry& world) {
-    return world.colors.empty() ? 0u : uint32_t{gpu::FEATURE_VERTEX_COLORS};
+uint64_t geometryFeatures(const WorldGeometry& world) {
+    return world.colors.empty() ? 0u : gpu::bit(gpu::FEATURE_VERTEX_COLORS);
 }
 
 // Triangles where traversal has to ask whether the ray stops; empty where all are opaque.
@@ -64,7 +64,7 @@ private:
 }  // namespace
 
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      uint32_t extraFeatures, PrepareTimes& times) {
+                      uint64_t extraFeatures, PrepareTimes& times) {
     const auto start = std::chrono::steady_clock::now();
     const Bvh bvh = buildBvh(world.corners(), nonOpaqueTriangles(scene, world));
     times.bvhSeconds = secondsSince(start);
@@ -104,6 +104,8 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     to.add(TexelFormat::rgba32f, environment.texels, "environment");
     to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table");
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
+    to.add(TexelFormat::rgba32ui, std::vector<gpu::uvec4>{}, "light tree");
+    to.add(TexelFormat::rgba32ui, std::vector<gpu::uvec4>{}, "shapes");
     times.uploadSeconds = secondsSince(upload);
     return result;
 }

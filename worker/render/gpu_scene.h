@@ -13,7 +13,7 @@ namespace tilefarm {
 /// A scene on a device: the texel buffers that path_trace.comp binds first, in the order of BINDING_*.
 struct GpuScene {
     std::vector<gpu::TexelBuffer> buffers;
-    uint32_t features = 0;
+    uint64_t features = 0;
     uint32_t vertexTexels = 1;
     uint32_t stackSize = 0;  // SPEC_STACK_SIZE: entries that a traversal may have waiting
     uint32_t lightCount = 0;
@@ -25,6 +25,6 @@ struct GpuScene {
 
 /// Packs and uploads everything but the camera. `extraFeatures`: effects that camera and settings call for.
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      uint32_t extraFeatures, PrepareTimes& times);
+                      uint64_t extraFeatures, PrepareTimes& times);
 
 }  // namespace tilefarm

@@ -60,7 +60,7 @@ void addTriangles(const Scene& scene, const WorldGeometry& world, Lights& lights
         else
             ++packed.darkTriangles;
     }
-    packed.features |= gpu::FEATURE_EMISSIVE_TRIANGLES;
+    packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
 }
 
 double punctualPower(const PunctualLight& light, double sceneRadius) {
@@ -84,7 +84,7 @@ void addPunctual(const WorldGeometry& world, double sceneRadius, Lights& lights,
         record.a = light.direction;
         record.b = {std::cos(light.innerCone), std::cos(light.outerCone), light.range};
         if (lights.add(record, light.color, punctualPower(light, sceneRadius)))
-            packed.features |= gpu::FEATURE_PUNCTUAL_LIGHTS;
+            packed.features |= gpu::bit(gpu::FEATURE_PUNCTUAL_LIGHTS);
     }
 }
 
@@ -103,7 +103,7 @@ PackedLights packLights(const Scene& scene, const WorldGeometry& world, double e
         record.primitive = gpu::NO_INDEX;
         packed.environmentLight = static_cast<uint32_t>(lights.records.size());
         lights.add(record, glm::vec3(0), pi * sceneRadius * sceneRadius * environmentFlux);
-        packed.features |= gpu::FEATURE_ENVIRONMENT;
+        packed.features |= gpu::bit(gpu::FEATURE_ENVIRONMENT);
     }
     if (lights.records.empty()) return packed;
     packed.alias = buildAliasTable(lights.powers);

@@ -14,7 +14,7 @@ struct PackedLights {
     std::vector<uint32_t>
         primitiveLights;  // by primitive: index into records or NO_INDEX; empty without emissive triangles
     uint32_t environmentLight = gpu::NO_INDEX;
-    uint32_t features = 0;       // FEATURE_* of the light kinds there are
+    uint64_t features = 0;       // FEATURE_* of the light kinds there are
     uint64_t darkTriangles = 0;  // of an emissive material but with no light in their texture
 };
 

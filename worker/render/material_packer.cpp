@@ -23,27 +23,28 @@ uint32_t flagsOf(const Material& m) {
 }
 
 // A texture can only lower roughness and metallic, so with one any lower value may occur.
-uint32_t lobesOf(const Material& m) {
-    uint32_t features = 0;
+uint64_t lobesOf(const Material& m) {
+    uint64_t features = 0;
     const bool reflects = m.metallic > 0 || m.ior != 1;
-    if (m.transmission > 0) features |= gpu::FEATURE_TRANSMISSION | gpu::FEATURE_SPECULAR;
-    if (reflects) features |= gpu::FEATURE_SPECULAR;
+    if (m.transmission > 0) features |= gpu::bit(gpu::FEATURE_TRANSMISSION) | gpu::bit(gpu::FEATURE_SPECULAR);
+    if (reflects) features |= gpu::bit(gpu::FEATURE_SPECULAR);
     const bool smooth =
         m.metallicRoughnessTexture || m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
-    if ((features & gpu::FEATURE_SPECULAR) != 0 && smooth) features |= gpu::FEATURE_MIRROR;
+    if ((features & gpu::bit(gpu::FEATURE_SPECULAR)) != 0 && smooth)
+        features |= gpu::bit(gpu::FEATURE_MIRROR);
     if (m.transmission > 0 && m.thickness > 0 &&
         absorptionCoefficient(m.attenuationColor, m.attenuationDistance) != glm::vec3(0))
-        features |= gpu::FEATURE_ATTENUATION;
+        features |= gpu::bit(gpu::FEATURE_ATTENUATION);
     return features;
 }
 
-uint32_t featuresOf(const Material& m) {
-    uint32_t features = m.unlit ? uint32_t{gpu::FEATURE_UNLIT} : lobesOf(m);
+uint64_t featuresOf(const Material& m) {
+    uint64_t features = m.unlit ? gpu::bit(gpu::FEATURE_UNLIT) : lobesOf(m);
     if (m.baseColorTexture ||
         (!m.unlit && (m.metallicRoughnessTexture || m.emissionTexture || m.transmissionTexture)))
-        features |= gpu::FEATURE_TEXTURES;
-    if (m.normalTexture && !m.unlit) features |= gpu::FEATURE_NORMAL_MAPS;
-    if (m.alphaMode != AlphaMode::opaque) features |= gpu::FEATURE_CUTOUT;
+        features |= gpu::bit(gpu::FEATURE_TEXTURES);
+    if (m.normalTexture && !m.unlit) features |= gpu::bit(gpu::FEATURE_NORMAL_MAPS);
+    if (m.alphaMode != AlphaMode::opaque) features |= gpu::bit(gpu::FEATURE_CUTOUT);
     return features;
 }
 
@@ -90,16 +91,22 @@ gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
     record.absorption =
         m.thickness > 0 ? absorptionCoefficient(m.attenuationColor, m.attenuationDistance) : glm::vec3(0);
     record.baseColorTexture = record.metallicRoughnessTexture = record.normalTexture =
-        record.emissionTexture = record.transmissionTexture = gpu::NO_INDEX;
+        record.emissionTexture = record.transmissionTexture = record.specularTexture =
+            record.specularColorTexture = record.clearcoatTexture = record.clearcoatRoughnessTexture =
+                record.clearcoatNormalTexture = record.sheenColorTexture = record.sheenRoughnessTexture =
+                    record.anisotropyTexture = record.iridescenceTexture =
+                        record.iridescenceThicknessTexture = record.diffuseTransmissionTexture =
+                            record.diffuseTransmissionColorTexture = gpu::NO_INDEX;
     return record;
 }
 
 void MaterialPacker::add(const Material& material, bool used) {
     gpu::MaterialRecord record = pack(material);
     if (used) {
-        const uint32_t called = featuresOf(material);
+        const uint64_t called = featuresOf(material);
         features |= called;
-        if ((called & gpu::FEATURE_SPECULAR) != 0) record.albedoTable = albedoTableFor(material.ior);
+        if ((called & gpu::bit(gpu::FEATURE_SPECULAR)) != 0)
+            record.albedoTable = albedoTableFor(material.ior);
         bindTextures(record, material);
     }
     records.push_back(record);

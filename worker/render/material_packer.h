@@ -19,7 +19,7 @@ public:
 
     std::vector<gpu::MaterialRecord> records;
     std::vector<glm::vec4> albedoTables;  // one table per index of refraction
-    uint32_t features = 0;                // FEATURE_* that the used materials call for
+    uint64_t features = 0;                // FEATURE_* that the used materials call for
 
 private:
     uint32_t albedoTableFor(float ior);

@@ -26,7 +26,8 @@ constexpr uint32_t kGroupSize = 8;
 
 std::vector<uint32_t> kernelConstants(const GpuScene& scene) {
     std::vector<uint32_t> constants(gpu::SPEC_COUNT);
-    constants[gpu::SPEC_FEATURES] = scene.features;
+    constants[gpu::SPEC_FEATURES] = static_cast<uint32_t>(scene.features);
+    constants[gpu::SPEC_FEATURES_HIGH] = static_cast<uint32_t>(scene.features >> 32);
     constants[gpu::SPEC_VERTEX_TEXELS] = scene.vertexTexels;
     constants[gpu::SPEC_STACK_SIZE] = scene.stackSize;
     return constants;
@@ -96,7 +97,7 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeom
     : device(on),
       image(size),
       grid(size),
-      scene(makeGpuScene(on, source, world, camera.orthographic ? uint32_t{gpu::FEATURE_ORTHOGRAPHIC} : 0u,
+      scene(makeGpuScene(on, source, world, camera.orthographic ? gpu::bit(gpu::FEATURE_ORTHOGRAPHIC) : 0u,
                          times)),
       features(reportFeatures(scene.features)),
       parameters(frameParameters(scene, world.recentred(camera), size, settings)),

@@ -22,12 +22,12 @@ uint32_t flagsOf(const TextureRef& ref, bool isFloat) {
     return flags;
 }
 
-uint32_t featuresOf(uint32_t flags) {
-    uint32_t features = 0;
-    if ((flags & gpu::TEXTURE_LINEAR_FILTER) == 0) features |= gpu::FEATURE_NEAREST_FILTER;
-    if ((flags & gpu::TEXTURE_UV1) != 0) features |= gpu::FEATURE_SECOND_UV_SET;
-    if ((flags & gpu::TEXTURE_FLOAT) != 0) features |= gpu::FEATURE_FLOAT_TEXTURES;
-    if ((flags & gpu::TEXTURE_TRANSFORM) != 0) features |= gpu::FEATURE_TEXTURE_TRANSFORMS;
+uint64_t featuresOf(uint32_t flags) {
+    uint64_t features = 0;
+    if ((flags & gpu::TEXTURE_LINEAR_FILTER) == 0) features |= gpu::bit(gpu::FEATURE_NEAREST_FILTER);
+    if ((flags & gpu::TEXTURE_UV1) != 0) features |= gpu::bit(gpu::FEATURE_SECOND_UV_SET);
+    if ((flags & gpu::TEXTURE_FLOAT) != 0) features |= gpu::bit(gpu::FEATURE_FLOAT_TEXTURES);
+    if ((flags & gpu::TEXTURE_TRANSFORM) != 0) features |= gpu::bit(gpu::FEATURE_TEXTURE_TRANSFORMS);
     return features;
 }
 

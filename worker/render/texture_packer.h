@@ -21,7 +21,7 @@ public:
     std::vector<uint8_t> texels8;  // RGBA
     std::vector<float> texels32;   // RGBA
     /// What the added textures call for: FEATURE_* of filtering, transforms, UV sets and formats.
-    uint32_t features = 0;
+    uint64_t features = 0;
 
 private:
     uint32_t firstTexelOf(uint32_t image);

@@ -12,10 +12,10 @@ T at(const std::vector<T>& values, size_t i, const T& missing) {
 
 }  // namespace
 
-uint32_t vertexTexelsFor(uint32_t features) {
-    if ((features & gpu::FEATURE_VERTEX_COLORS) != 0) return 4;
-    if ((features & gpu::FEATURE_NORMAL_MAPS) != 0) return 3;
-    if ((features & gpu::FEATURE_TEXTURES) != 0) return 2;
+uint32_t vertexTexelsFor(uint64_t features) {
+    if ((features & gpu::bit(gpu::FEATURE_VERTEX_COLORS)) != 0) return 4;
+    if ((features & gpu::bit(gpu::FEATURE_NORMAL_MAPS)) != 0) return 3;
+    if ((features & gpu::bit(gpu::FEATURE_TEXTURES)) != 0) return 2;
     return 1;
 }
 

@@ -9,7 +9,7 @@
 namespace tilefarm {
 
 /// How many of the vertex texels of gpu_types.h the given effects read: 1 … 4.
-uint32_t vertexTexelsFor(uint32_t features);
+uint32_t vertexTexelsFor(uint64_t features);
 
 /// Vertices as shaders/surface.glsl reads them, `texels` each.
 std::vector<glm::vec4> packVertices(const WorldGeometry& world, uint32_t texels);

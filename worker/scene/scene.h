@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/job/appearance.h"
+
 /// A scene as plain values, free of glTF and of Vulkan. World space is metres, y up, right handed.
 namespace tilefarm {
 
@@ -57,6 +59,54 @@ struct Material {
     float thickness = 0;             // KHR_materials_volume: 0 is thin-walled, else solid
     glm::vec3 attenuationColor{1};
     float attenuationDistance = std::numeric_limits<float>::infinity();
+
+    // KHR_materials_specular: the dielectric's F0 is min(F0(ior) * specularColor, 1) * specular, its F90 is
+    // specular. An ior of 0 stands for F0(ior) = 1, as converted specular-glossiness has it.
+    float specular = 1;
+    TextureRef specularTexture;  // a
+    glm::vec3 specularColor{1};
+    TextureRef specularColorTexture;  // rgb, sRGB
+    float specularTint = 0;           // Disney: pulls specularColor to the base colour's hue
+
+    float clearcoat = 0;                   // KHR_materials_clearcoat
+    TextureRef clearcoatTexture;           // r
+    float clearcoatRoughness = 0;          // perceptual
+    TextureRef clearcoatRoughnessTexture;  // g
+    TextureRef clearcoatNormalTexture;
+    float clearcoatNormalScale = 1;
+    bool clearcoatGtr1 = false;  // Disney's distribution GTR1 with α = clearcoatRoughness², not GGX
+
+    glm::vec3 sheenColor{0};                     // KHR_materials_sheen, Charlie
+    TextureRef sheenColorTexture;                // rgb, sRGB
+    float sheenRoughness = 0;                    // perceptual
+    TextureRef sheenRoughnessTexture;            // a
+    float disneySheen = 0, disneySheenTint = 0;  // Burley 2012
+
+    float anisotropy = 0;          // KHR_materials_anisotropy: strength
+    float anisotropyRotation = 0;  // rad, counter-clockwise from the tangent
+    TextureRef anisotropyTexture;  // rg direction, b strength
+
+    float iridescence = 0;          // KHR_materials_iridescence
+    TextureRef iridescenceTexture;  // r
+    float iridescenceIor = 1.3f;
+    float iridescenceThicknessMinimum = 100, iridescenceThicknessMaximum = 400;  // nm
+    TextureRef iridescenceThicknessTexture;                                      // g
+
+    float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number
+
+    float diffuseTransmission = 0;          // KHR_materials_diffuse_transmission
+    TextureRef diffuseTransmissionTexture;  // a
+    glm::vec3 diffuseTransmissionColor{1};
+    TextureRef diffuseTransmissionColorTexture;  // rgb, sRGB
+
+    float subsurface = 0;        // Burley 2012: mixes the diffuse base with its flat subsurface approximation
+    bool disneyDiffuse = false;  // Burley 2012: diffuse base with retro-reflection
+    float orenNayarSigma = 0;    // rad: standard deviation of the facets' slope angle; 0 is Lambert
+
+    bool conductor = false;  // metal of measured complex index η + i k, instead of the base colour's Schlick
+    glm::vec3 conductorEta{1}, conductorK{0};
+    Microfacets microfacets = Microfacets::ggx;
+    Fresnel fresnel = Fresnel::exact;  // of dielectrics
 };
 
 /// Triangles of one primitive with one material in object space. Attribute arrays are empty or as
@@ -88,13 +138,29 @@ struct PunctualLight {
     glm::vec3 direction{0, 0, -1};  // away from the light, unit length
     float range = std::numeric_limits<float>::infinity();
     float innerCone = 0, outerCone = 0.785398163f;  // half angles, rad
+    float angularRadius = 0;  // rad, directional: 0 is a delta; then `color` is still W/m²
+    std::string name;
+};
+
+enum class AreaShape : uint32_t { quad, sphere };
+
+/// A light with a surface of its own that rays meet.
+struct AreaLight {
+    AreaShape shape = AreaShape::quad;
+    glm::dvec3 position{0};                 // of the centre
+    glm::dvec3 u{0.5, 0, 0}, v{0, 0.5, 0};  // quad: half edges; it emits towards u × v
+    double radius = 0.5;                    // sphere, m
+    glm::vec3 radiance{1};                  // W/(sr m²)
+    bool twoSided = false;                  // quad
     std::string name;
 };
 
 /// Equirectangular radiance, top row towards +y; column 0 starts at the seam (see
 /// shaders/lights/environment.glsl).
 struct Environment {
-    Image image;  // rgbaFloat
+    Image image;          // rgbaFloat
+    double rotation = 0;  // rad around +y, counter-clockwise seen from above
+    bool visible = true;  // to camera rays
     std::string name;
 };
 
@@ -122,6 +188,7 @@ struct Scene {
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<PunctualLight> lights;
+    std::vector<AreaLight> areaLights;
     std::vector<Camera> cameras;
     Environment environment;  // no pixels: none
     std::vector<SceneWarning> warnings;

@@ -41,7 +41,8 @@ TEST(LightPacker, ChoosesByPower) {
     ASSERT_EQ(lights.records.size(), 3u);
     EXPECT_NEAR(lights.records[2].pmf, 4.0 / (4 + 12), 1e-6);
     EXPECT_NEAR(sumOfPmf(lights), 1, 1e-6);
-    EXPECT_EQ(lights.features, gpu::FEATURE_EMISSIVE_TRIANGLES | gpu::FEATURE_PUNCTUAL_LIGHTS);
+    EXPECT_EQ(lights.features,
+              gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES) | gpu::bit(gpu::FEATURE_PUNCTUAL_LIGHTS));
 }
 
 TEST(LightPacker, TrianglesKnowTheirLight) {

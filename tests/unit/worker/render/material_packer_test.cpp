@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-uint32_t featuresOf(const Material& material) {
+uint64_t featuresOf(const Material& material) {
     Scene scene;
     scene.images.push_back({"white", 1, 1, {255, 255, 255, 255}, {}});
     TexturePacker textures(scene);
@@ -50,12 +50,12 @@ TEST(MaterialPacker, CallsForNothingThatAMatteSurfaceLacks) {
 TEST(MaterialPacker, CallsForReflectionOnlyWhereThereIsSome) {
     Material metal = matte();
     metal.metallic = 1;
-    EXPECT_EQ(featuresOf(metal), gpu::FEATURE_SPECULAR);
+    EXPECT_EQ(featuresOf(metal), gpu::bit(gpu::FEATURE_SPECULAR));
     metal.roughness = 0;
-    EXPECT_EQ(featuresOf(metal), gpu::FEATURE_SPECULAR | gpu::FEATURE_MIRROR);
+    EXPECT_EQ(featuresOf(metal), gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_MIRROR));
     Material plastic = matte();
     plastic.ior = 1.5f;
-    EXPECT_EQ(featuresOf(plastic), gpu::FEATURE_SPECULAR);
+    EXPECT_EQ(featuresOf(plastic), gpu::bit(gpu::FEATURE_SPECULAR));
 }
 
 TEST(MaterialPacker, CallsForAttenuationOnlyInsideColouredSolids) {
@@ -64,11 +64,11 @@ TEST(MaterialPacker, CallsForAttenuationOnlyInsideColouredSolids) {
     glass.ior = 1.5f;
     glass.attenuationColor = {0.5f, 1, 1};
     glass.attenuationDistance = 1;
-    EXPECT_EQ(featuresOf(glass) & gpu::FEATURE_ATTENUATION, 0u) << "thin-walled";
+    EXPECT_EQ(featuresOf(glass) & gpu::bit(gpu::FEATURE_ATTENUATION), 0u) << "thin-walled";
     glass.thickness = 1;
-    EXPECT_NE(featuresOf(glass) & gpu::FEATURE_ATTENUATION, 0u);
+    EXPECT_NE(featuresOf(glass) & gpu::bit(gpu::FEATURE_ATTENUATION), 0u);
     glass.attenuationDistance = kInfinity;
-    EXPECT_EQ(featuresOf(glass) & gpu::FEATURE_ATTENUATION, 0u);
+    EXPECT_EQ(featuresOf(glass) & gpu::bit(gpu::FEATURE_ATTENUATION), 0u);
 }
 
 TEST(MaterialPacker, IgnoresMaterialsThatNothingUses) {

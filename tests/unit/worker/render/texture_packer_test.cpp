@@ -40,7 +40,7 @@ TEST(TexturePacker, KeepsFloatTexelsApartAndSaysSo) {
     ref.image = 1;
     packer.add(ref);
     EXPECT_EQ(packer.texels32, scene.images[1].rgbaFloat);
-    EXPECT_EQ(packer.features, gpu::FEATURE_FLOAT_TEXTURES);
+    EXPECT_EQ(packer.features, gpu::bit(gpu::FEATURE_FLOAT_TEXTURES));
 }
 
 TEST(TexturePacker, CallsForTransformsOnlyWhereThereIsOne) {
@@ -54,8 +54,9 @@ TEST(TexturePacker, CallsForTransformsOnlyWhereThereIsOne) {
     ref.uvSet = 1;
     ref.linearFilter = false;
     packer.add(ref);
-    EXPECT_EQ(packer.features,
-              gpu::FEATURE_TEXTURE_TRANSFORMS | gpu::FEATURE_SECOND_UV_SET | gpu::FEATURE_NEAREST_FILTER);
+    EXPECT_EQ(packer.features, gpu::bit(gpu::FEATURE_TEXTURE_TRANSFORMS) |
+                                   gpu::bit(gpu::FEATURE_SECOND_UV_SET) |
+                                   gpu::bit(gpu::FEATURE_NEAREST_FILTER));
 }
 
 }  // namespace
