@@ -4,13 +4,14 @@
 
 void cameraRay(vec2 raster, out vec3 origin, out vec3 direction) {
     vec2 ndc = vec2(2.0, -2.0) * raster / vec2(parameters.image.xy) + vec2(-1.0, 1.0);
-    vec3 offset = ndc.x * parameters.cameraRight.xyz + ndc.y * parameters.cameraUp.xyz;
+    precise vec3 offset = ndc.x * parameters.cameraRight.xyz + ndc.y * parameters.cameraUp.xyz;
     if (has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w != 0.0) {
         origin = parameters.cameraOrigin.xyz + offset;
         direction = parameters.cameraForward.xyz;
     } else {
         origin = parameters.cameraOrigin.xyz;
-        direction = normalize(parameters.cameraForward.xyz + offset);
+        precise vec3 through = parameters.cameraForward.xyz + offset;
+        direction = normalize(through);
     }
 }
 

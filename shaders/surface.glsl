@@ -67,8 +67,12 @@ void loadTexCoords(VertexIndices v, vec3 b, float u0, out vec2 uv0, out vec2 uv1
     }
 }
 
+// From the first corner on, so that one colour at all corners stays what it is to the last bit.
 vec4 loadColor(VertexIndices v, vec3 b) {
-    return has(FEATURE_VERTEX_COLORS) ? interpolateTexel(v, b, 3u) : vec4(1);
+    if (!has(FEATURE_VERTEX_COLORS)) return vec4(1);
+    precise vec4 a = vertexTexel(v.a, 3u);
+    precise vec4 color = a + (b.y * (vertexTexel(v.b, 3u) - a) + b.z * (vertexTexel(v.c, 3u) - a));
+    return color;
 }
 
 // Bends a shading normal just as far as the mirror image of wo needs to stay above the surface, so

@@ -44,6 +44,10 @@ gpu::PipelineSpec pipelineSpec(const GpuScene& scene) {
     return spec;
 }
 
+uint64_t featuresOf(const Camera& camera) {
+    return camera.orthographic ? gpu::bit(gpu::FEATURE_ORTHOGRAPHIC) : 0;
+}
+
 gpu::FrameParameters frameParameters(const GpuScene& scene, const Camera& camera, const ImageSpec& image,
                                      const RenderSettings& settings) {
     gpu::FrameParameters p{};
@@ -64,8 +68,8 @@ gpu::FrameParameters frameParameters(const GpuScene& scene, const Camera& camera
 
 struct Renderer::Impl {
     Impl(const gpu::Device& on, const Scene& source, const Camera& camera, const ImageSpec& size,
-         const RenderSettings& settings)
-        : Impl(on, source, flatten(source), camera, size, settings) {}
+         const RenderSettings& settings, uint64_t alsoCompiled)
+        : Impl(on, source, flatten(source), camera, size, settings, alsoCompiled) {}
 
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples);
 
@@ -84,7 +88,7 @@ struct Renderer::Impl {
 
 private:
     Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world, const Camera& camera,
-         const ImageSpec& size, const RenderSettings& settings);
+         const ImageSpec& size, const RenderSettings& settings, uint64_t alsoCompiled);
     void renderBatch(std::span<const uint32_t> tiles, SampleRange samples, std::vector<PassFilm>& films);
     void uploadTiles(std::span<const uint32_t> tiles);
     void dispatch(uint32_t tileCount, SampleRange pass, SampleRange part);
@@ -93,12 +97,12 @@ private:
 };
 
 Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world,
-                     const Camera& camera, const ImageSpec& size, const RenderSettings& settings)
+                     const Camera& camera, const ImageSpec& size, const RenderSettings& settings,
+                     uint64_t alsoCompiled)
     : device(on),
       image(size),
       grid(size),
-      scene(makeGpuScene(on, source, world, camera.orthographic ? gpu::bit(gpu::FEATURE_ORTHOGRAPHIC) : 0u,
-                         times)),
+      scene(makeGpuScene(on, source, world, featuresOf(camera) | alsoCompiled, times)),
       features(reportFeatures(scene.features)),
       parameters(frameParameters(scene, world.recentred(camera), size, settings)),
       pipeline(on, pipelineSpec(scene)),
@@ -195,8 +199,8 @@ std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera,
-                   const ImageSpec& image, const RenderSettings& settings)
-    : impl_(std::make_unique<Impl>(device, scene, camera, image, settings)) {}
+                   const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
+    : impl_(std::make_unique<Impl>(device, scene, camera, image, settings, alsoCompiled)) {}
 
 Renderer::~Renderer() = default;
 
@@ -212,6 +216,9 @@ const FeatureReport& Renderer::features() const {
 }
 const PrepareTimes& Renderer::prepareTimes() const {
     return impl_->times;
+}
+uint64_t Renderer::featureBits() const {
+    return impl_->scene.features;
 }
 uint64_t Renderer::triangleCount() const {
     return impl_->scene.triangles;

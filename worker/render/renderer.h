@@ -38,9 +38,10 @@ class Renderer {
 public:
     /// Packs and uploads the scene, builds its BVH and the kernel with the effects it calls for.
     /// `camera` has been selected for the frame. Throws Error(invalidArgument | unprocessable) if the
-    /// scene does not fit the device.
+    /// scene does not fit the device. `alsoCompiled`: FEATURE_* bits to compile in although nothing calls
+    /// for them, which must not change a bit of the picture (tests/shader/feature_bits_test.cpp).
     Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera, const ImageSpec& image,
-             const RenderSettings& settings);
+             const RenderSettings& settings, uint64_t alsoCompiled = 0);
     ~Renderer();
 
     /// Films of the tiles `tiles` (indices in the TileGrid of the image) over `samples`, in the order
@@ -52,6 +53,8 @@ public:
     const FeatureReport& features() const;
     const PrepareTimes& prepareTimes() const;
     uint64_t triangleCount() const;
+    /// FEATURE_* bits that the kernel holds.
+    uint64_t featureBits() const;
 
 private:
     struct Impl;
