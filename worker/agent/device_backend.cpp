@@ -33,7 +33,7 @@ public:
         renderer_.reset();
         if (!device_) device_.emplace(index_, options_);
         const auto begin = std::chrono::steady_clock::now();
-        Scene scene = loadGltf(files.entry);
+        Scene scene = loadGltf(files.entry, spec.variant);
         if (!files.environment.empty()) loadEnvironment(scene, files.environment);
         lightIfDark(scene);
         const double aspect = static_cast<double>(spec.image.width) / spec.image.height;

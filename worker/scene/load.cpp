@@ -9,6 +9,7 @@
 #include "worker/scene/extensions.h"
 #include "worker/scene/materials.h"
 #include "worker/scene/nodes.h"
+#include "worker/scene/variants.h"
 
 namespace tilefarm {
 namespace {
@@ -20,12 +21,13 @@ void warnOfAnimations(LoadContext& load) {
     }
 }
 
-Scene loadChecked(const std::filesystem::path& path) {
+Scene loadChecked(const std::filesystem::path& path, const std::string& variant) {
     const GltfFile file(path);
     BufferViews views(file);
     Accessors accessors(file.root(), views);
     Scene scene;
     LoadContext load{file, views, accessors, scene};
+    load.variant = findVariant(file.root(), variant);
     checkExtensions(load);
     Textures textures(load);
     scene.materials = parseMaterials(load, textures);
@@ -38,10 +40,10 @@ Scene loadChecked(const std::filesystem::path& path) {
 
 }  // namespace
 
-Scene loadGltf(const std::filesystem::path& path) {
+Scene loadGltf(const std::filesystem::path& path, const std::string& variant) {
     // A small compressed file may honestly ask for more memory than there is.
     try {
-        return loadChecked(path);
+        return loadChecked(path, variant);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::invalidArgument, fmt::format("{}: does not fit in memory", path.string()));
     } catch (const std::length_error&) {

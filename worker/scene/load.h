@@ -10,8 +10,9 @@ namespace tilefarm {
 /// Loads a .gltf (embedded or with files beside it) or .glb, by default at time 0 and in its default
 /// scene. Throws Error(invalidArgument) that names the file, the JSON place and the fault; every
 /// index, offset and count is checked before use. An unknown extension in extensionsRequired is an
-/// error, one in extensionsUsed a warning.
-Scene loadGltf(const std::filesystem::path& path);
+/// error, one in extensionsUsed a warning. `variant` is one of KHR_materials_variants by name; empty:
+/// the file's default materials.
+Scene loadGltf(const std::filesystem::path& path, const std::string& variant = {});
 
 /// Loads an equirectangular .hdr or .exr. NaN, infinite and negative texels become 0 and a warning
 /// in `scene.warnings`. Throws Error(invalidArgument) that names the file and the fault.

@@ -12,6 +12,7 @@ struct LoadContext {
     BufferViews& views;
     Accessors& accessors;
     Scene& scene;
+    uint32_t variant = kNone;  // of KHR_materials_variants
 
     /// Notes what is rendered otherwise, once for each feature and place.
     void warn(const std::string& feature, const JsonNode& where, const std::string& instead);

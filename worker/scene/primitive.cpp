@@ -8,6 +8,7 @@
 
 #include "worker/scene/draco_mesh.h"
 #include "worker/scene/triangulate.h"
+#include "worker/scene/variants.h"
 
 namespace tilefarm {
 namespace {
@@ -184,6 +185,7 @@ void checkPrimitive(const LoadContext& load, const JsonNode& primitive) {
     if (const JsonNode material = primitive["material"]) {
         material.index(load.file.root()["materials"].size(), "/materials");
     }
+    checkMappings(load.file.root(), primitive);
     const JsonNode targets = primitive["targets"];
     for (size_t i = 0; i < targets.size(); ++i) {
         const JsonNode target = targets[i];
@@ -212,8 +214,7 @@ std::optional<Mesh> readPrimitive(LoadContext& load, const JsonNode& primitive,
     const std::vector<uint32_t> indices = readIndices(load, primitive, reader, mesh.positions.size());
     // The Draco decoder gives lists whatever was encoded.
     mesh.triangles = triangulate(reader.draco() ? PrimitiveMode::triangles : mode, indices);
-    const JsonNode material = primitive["material"];
-    mesh.material = material ? material.index(load.file.root()["materials"].size(), "/materials") : kNone;
+    mesh.material = materialOf(load, primitive);
     return mesh;
 }
 

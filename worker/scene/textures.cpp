@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "shared/error/error.h"
 #include "worker/scene/decode_image.h"
@@ -108,39 +108,68 @@ std::vector<std::byte> Textures::encodedBytes(const JsonNode& image) {
     return load_.file.read(image["uri"]);
 }
 
+Image Textures::decodeFile(uint32_t image, bool srgb) {
+    const JsonNode node = images_[image];
+    try {
+        Image decoded = decodeImage(encodedBytes(node), srgb);
+        decoded.name = node["name"].textOr(node["uri"].isString() && node["uri"].text().size() < 256
+                                               ? node["uri"].text()
+                                               : fmt::format("images/{}", image));
+        return decoded;
+    } catch (const Error& fault) {
+        if (!fault.faults.empty()) {
+            throw;  // names its place already
+        }
+        node.fail(fault.what());
+    }
+}
+
+TextureRef Textures::derive(const std::vector<TextureRef>& sources, const std::string& key, MakeImage make) {
+    Derived wanted{{}, key, std::move(make)};
+    for (const TextureRef& source : sources) {
+        wanted.sources.push_back(source.image);
+    }
+    const auto same = [&](const Derived& d) { return d.sources == wanted.sources && d.key == wanted.key; };
+    const auto known = std::find_if(derived_.begin(), derived_.end(), same);
+    TextureRef ref = sources.front();
+    ref.image = static_cast<uint32_t>(images_.size() + static_cast<size_t>(known - derived_.begin()));
+    if (known == derived_.end()) {
+        derived_.push_back(std::move(wanted));
+    }
+    return ref;
+}
+
+Image Textures::makeDerived(uint32_t image) {
+    const Derived& derived = derived_[image - images_.size()];
+    std::vector<Image> sources;
+    for (const uint32_t source : derived.sources) {
+        sources.push_back(decodeFile(source, true));
+    }
+    return derived.make(sources);
+}
+
+uint32_t Textures::addToScene(const TextureRef& ref) {
+    const auto key = std::pair(ref.image, ref.srgb);
+    if (const auto known = inScene_.find(key); known != inScene_.end()) {
+        return known->second;
+    }
+    std::vector<Image>& images = load_.scene.images;
+    const bool isFile = ref.image < images_.size();
+    images.push_back(isFile ? decodeFile(ref.image, ref.srgb) : makeDerived(ref.image));
+    texels_ += uint64_t{images.back().width} * images.back().height;
+    if (texels_ > kMaxSceneTexels) {
+        const JsonNode node = images_[isFile ? ref.image : derived_[ref.image - images_.size()].sources[0]];
+        node.fail(fmt::format("with this image the scene has more than {} texels", kMaxSceneTexels));
+    }
+    const auto index = static_cast<uint32_t>(images.size() - 1);
+    inScene_[key] = index;
+    if (!images[index].rgba8.empty()) {
+        inScene_[{key.first, !key.second}] = index;
+    }
+    return index;
+}
+
 void Textures::decodeUsed(std::vector<Material>& materials, const std::vector<bool>& used) {
-    // 16-bit images differ by how their texels are encoded, so the key has that too.
-    std::map<std::pair<uint32_t, bool>, uint32_t> decoded;
-    uint64_t texels = 0;
-    const auto decode = [&](TextureRef& ref) {
-        const auto key = std::pair(ref.image, ref.srgb);
-        if (const auto known = decoded.find(key); known != decoded.end()) {
-            return known->second;
-        }
-        const JsonNode node = images_[ref.image];
-        try {
-            Image image = decodeImage(encodedBytes(node), ref.srgb);
-            image.name = node["name"].textOr(node["uri"].isString() && node["uri"].text().size() < 256
-                                                 ? node["uri"].text()
-                                                 : fmt::format("images/{}", ref.image));
-            texels += uint64_t{image.width} * image.height;
-            load_.scene.images.push_back(std::move(image));
-        } catch (const Error& fault) {
-            if (!fault.faults.empty()) {
-                throw;  // names its place already
-            }
-            node.fail(fault.what());
-        }
-        if (texels > kMaxSceneTexels) {
-            node.fail(fmt::format("with this image the scene has more than {} texels", kMaxSceneTexels));
-        }
-        const auto index = static_cast<uint32_t>(load_.scene.images.size() - 1);
-        decoded[key] = index;
-        if (!load_.scene.images[index].rgba8.empty()) {
-            decoded[{key.first, !key.second}] = index;
-        }
-        return index;
-    };
     for (size_t i = 0; i < materials.size(); ++i) {
         forEachTexture(materials[i], [&](TextureRef& ref) {
             if (!ref) {
@@ -150,7 +179,7 @@ void Textures::decodeUsed(std::vector<Material>& materials, const std::vector<bo
                 ref = TextureRef{};
                 return;
             }
-            ref.image = decode(ref);
+            ref.image = addToScene(ref);
             ref.srgb = ref.srgb && !load_.scene.images[ref.image].rgba8.empty();
         });
     }
