@@ -72,14 +72,14 @@ double reflectionAlbedo(double cosTheta, double alpha, double ior) {
     return sum / (kStrata * kStrata);
 }
 
-std::vector<glm::vec4> buildAlbedoTable(double ior) {
+std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo) {
     std::vector<std::vector<double>> rows(kSize, std::vector<double>(kSize));
     std::vector<double> averages(kSize);
     for (size_t y = 0; y < kSize; ++y) {
         const double roughness = static_cast<double>(y) / (kSize - 1);
         for (size_t x = 0; x < kSize; ++x) {
             const double root = static_cast<double>(x) / (kSize - 1);
-            rows[y][x] = reflectionAlbedo(root * root, roughness * roughness, ior);
+            rows[y][x] = albedo(root * root, roughness);
         }
         averages[y] = averageOf(rows[y]);
     }
@@ -93,6 +93,12 @@ std::vector<glm::vec4> buildAlbedoTable(double ior) {
     for (size_t x = 0; x < kSize; ++x)
         texels.emplace_back(averages[x], averages[std::min<size_t>(x + 1, kSize - 1)], 0, 0);
     return texels;
+}
+
+std::vector<glm::vec4> buildAlbedoTable(double ior) {
+    return tabulateAlbedo([&](double cosTheta, double roughness) {
+        return reflectionAlbedo(cosTheta, roughness * roughness, ior);
+    });
 }
 
 }  // namespace tilefarm

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -11,8 +12,11 @@ namespace tilefarm {
 /// points (tests/unit/worker/render/albedo_table_test.cpp).
 double reflectionAlbedo(double cosTheta, double alpha, double ior);
 
-/// The table that shaders/bsdf/albedo_table.glsl reads: ALBEDO_TABLE_SIZE + 1 rows of
-/// ALBEDO_TABLE_SIZE texels.
+/// A directional albedo of (cosθ, perceptual roughness) as the table that shaders/bsdf/albedo_table.glsl
+/// reads: ALBEDO_TABLE_SIZE + 1 rows of ALBEDO_TABLE_SIZE texels.
+std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo);
+
+/// The table of reflectionAlbedo.
 std::vector<glm::vec4> buildAlbedoTable(double ior);
 
 }  // namespace tilefarm
