@@ -117,6 +117,7 @@ GPU_CONSTANT MATERIAL_PHONG = 1u << 7;
 GPU_CONSTANT MATERIAL_SCHLICK = 1u << 8;
 GPU_CONSTANT MATERIAL_CONDUCTOR = 1u << 9;
 GPU_CONSTANT MATERIAL_GTR1 = 1u << 10;
+GPU_CONSTANT MATERIAL_DISNEY_DIFFUSE = 1u << 11;
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -184,7 +185,7 @@ struct MaterialRecord {
     vec3 diffuseTransmissionColor; float diffuseTransmission;                                     // 14
     vec3 conductorEta; float disneySheen;                                                         // 15
     vec3 conductorK; float disneySheenTint;                                                       // 16
-    uint diffuseTransmissionColorTexture; uint unused[3];                                         // 17
+    uint diffuseTransmissionColorTexture, coatTable, sheenTable; uint unused;                     // 17
 };
 static_assert(sizeof(MaterialRecord) == 16 * MATERIAL_TEXELS);
 
