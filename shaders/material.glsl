@@ -38,6 +38,7 @@ MaterialPoint materialAt(Surface s) {
     m.ior = surface.w;
     m.flags = more.y;
     m.albedoTable = more.z;
+    materialPointDefaults(m);
     m.emission = vec3(0);
     if ((m.flags & MATERIAL_EMISSIVE) != 0u) m.emission = emissionAt(s.material, textures.w, s.uv0, s.uv1);
     m.transmission = 0.0;

@@ -1,4 +1,5 @@
-// What a material is at one point of a surface, textures applied.
+// What a material is at one point of a surface, textures applied. Members after the first group are set
+// only where a feature asks for them; materialPointDefaults gives them values without effect.
 #ifndef MATERIAL_POINT_GLSL
 #define MATERIAL_POINT_GLSL
 
@@ -12,6 +13,42 @@ struct MaterialPoint {
     vec3 absorption;
     uint flags;
     uint albedoTable;
+
+    vec3 specularColor;  // FEATURE_SPECULAR_COLOR: of the dielectric's reflection at normal incidence
+    float specular;      // and its strength
+    float alphaT;        // FEATURE_ANISOTROPY: α along the tangent; `alpha` is across it
+    vec3 conductorEta, conductorK;
+    float iridescence, iridescenceIor, iridescenceThickness;  // nm
+    float dispersion;
+
+    float clearcoat, clearcoatAlpha;
+    vec3 clearcoatNormal;  // in the shading frame
+    vec3 sheenColor;
+    float sheenRoughness;  // perceptual
+    float disneySheen, disneySheenTint;
+    float diffuseTransmission;
+    vec3 diffuseTransmissionColor;
+    float subsurface, orenNayarSigma;
 };
+
+void materialPointDefaults(inout MaterialPoint m) {
+    m.specularColor = vec3(1);
+    m.specular = 1.0;
+    m.alphaT = m.alpha;
+    m.conductorEta = vec3(1);
+    m.conductorK = vec3(0);
+    m.iridescence = 0.0;
+    m.iridescenceIor = 1.3;
+    m.iridescenceThickness = 0.0;
+    m.dispersion = 0.0;
+    m.clearcoat = m.clearcoatAlpha = 0.0;
+    m.clearcoatNormal = vec3(0, 0, 1);
+    m.sheenColor = vec3(0);
+    m.sheenRoughness = 0.0;
+    m.disneySheen = m.disneySheenTint = 0.0;
+    m.diffuseTransmission = 0.0;
+    m.diffuseTransmissionColor = vec3(1);
+    m.subsurface = m.orenNayarSigma = 0.0;
+}
 
 #endif

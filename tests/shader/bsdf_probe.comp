@@ -15,10 +15,43 @@ layout(push_constant) uniform Block { uint count; };
 layout(std430, binding = BINDING_TILES) readonly buffer Queries { BsdfQuery queries[]; };
 layout(std430, binding = BINDING_FILM) writeonly buffer Answers { BsdfAnswer answers[]; };
 
+// In the order of ProbeMaterial.
+MaterialPoint materialOf(vec4 p[PROBE_MATERIAL_TEXELS]) {
+    MaterialPoint m;
+    m.baseColor = p[0].rgb;
+    m.metallic = p[0].a;
+    m.emission = vec3(0);
+    m.absorption = vec3(0);
+    m.alpha = p[1].x;
+    m.alphaT = p[1].y < 0.0 ? p[1].x : p[1].y;
+    m.ior = p[1].z;
+    m.transmission = p[1].w;
+    m.flags = uint(p[2].x);
+    m.albedoTable = p[2].y < 0.0 ? NO_INDEX : uint(p[2].y);
+    m.specular = p[2].z;
+    m.specularColor = p[3].rgb;
+    m.dispersion = p[3].a;
+    m.conductorEta = p[4].rgb;
+    m.iridescence = p[4].a;
+    m.conductorK = p[5].rgb;
+    m.iridescenceIor = p[5].a;
+    m.iridescenceThickness = p[6].x;
+    m.clearcoat = p[6].y;
+    m.clearcoatAlpha = p[6].z;
+    m.sheenRoughness = p[6].w;
+    m.clearcoatNormal = p[7].xyz;
+    m.disneySheen = p[7].w;
+    m.sheenColor = p[8].rgb;
+    m.disneySheenTint = p[8].a;
+    m.diffuseTransmissionColor = p[9].rgb;
+    m.diffuseTransmission = p[9].a;
+    m.subsurface = p[10].x;
+    m.orenNayarSigma = p[10].y;
+    return m;
+}
+
 BsdfAnswer answer(BsdfQuery q) {
-    MaterialPoint m = MaterialPoint(q.color.rgb, vec3(0), q.color.a, q.surface.x, q.surface.y, q.surface.z, vec3(0),
-                                    q.surface.w != 0.0 ? MATERIAL_THIN : 0u, 0u);
-    Bsdf bsdf = bsdfAt(m, q.wo.xyz, q.wo.w != 0.0);
+    Bsdf bsdf = bsdfAt(materialOf(q.material), q.wo.xyz, q.material[2].w != 0.0);
     if (q.other.w != 0.0) {
         float pdf;
         vec3 f = bsdfEval(bsdf, q.wo.xyz, q.other.xyz, pdf);

@@ -1,40 +1,78 @@
-#include "tests/shader/bsdf_probe_runner.h"
-
+#include <cstdint>
 #include <cstring>
 
 #include "bsdf_probe.comp.h"
 #include "shaders/gpu_types.h"
+#include "tests/shader/bsdf_probe_runner.h"
 #include "worker/render/albedo_table.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm {
+namespace {
 
-BsdfProbe::BsdfProbe(const gpu::Device& device, float ior)
-    : device_(device), pipeline_(makePipeline(device)) {
+BsdfQuery query(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& other, float mode) {
+    BsdfQuery result{{wo, 0}, {other, mode}, {}};
+    std::memcpy(result.material, &material, sizeof material);
+    return result;
+}
+
+std::vector<gpu::TexelBuffer> makeTexels(const gpu::Device& device, const std::vector<glm::vec4>& tables) {
+    std::vector<gpu::TexelBuffer> texels;
     for (uint32_t binding = 0; binding < gpu::BINDING_PARAMETERS; ++binding) {
         const bool floats = binding == gpu::BINDING_TEXELS8 || binding == gpu::BINDING_TEXELS32 ||
                             binding == gpu::BINDING_ENVIRONMENT || binding == gpu::BINDING_ALBEDO_TABLES;
-        std::vector<glm::vec4> data;
-        if (binding == gpu::BINDING_ALBEDO_TABLES) data = buildAlbedoTable(ior);
-        texels_.emplace_back(device, floats ? gpu::TexelFormat::rgba32f : gpu::TexelFormat::rgba32ui,
-                             gpu::bytesOf(data), "probe");
+        const std::vector<glm::vec4> none;
+        texels.emplace_back(device, floats ? gpu::TexelFormat::rgba32f : gpu::TexelFormat::rgba32ui,
+                            gpu::bytesOf(binding == gpu::BINDING_ALBEDO_TABLES ? tables : none), "probe");
     }
+    return texels;
 }
 
-gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device) {
+}  // namespace
+
+BsdfQuery drawQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& u) {
+    return query(material, wo, u, 0);
+}
+
+BsdfQuery evalQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi) {
+    return query(material, wo, wi, 1);
+}
+
+BsdfProbe::BsdfProbe(const gpu::Device& device, uint64_t features)
+    : device_(device), pipeline_(makePipeline(device, features)), texels_(makeTexels(device, {})) {}
+
+gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device, uint64_t features) {
     gpu::PipelineSpec spec;
     spec.spirv = bsdf_probe_comp;
     spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
-    const uint64_t features =
-        gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_MIRROR) | gpu::bit(gpu::FEATURE_TRANSMISSION);
     spec.constants = {static_cast<uint32_t>(features), 1, 64, static_cast<uint32_t>(features >> 32)};
     spec.pushConstantBytes = sizeof(uint32_t);
     spec.name = "bsdf_probe";
     return {device, spec};
 }
 
-std::vector<BsdfAnswer> BsdfProbe::ask(const std::vector<BsdfQuery>& queries) {
+// As MaterialPacker: a table for every material that reflects.
+void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
+    const size_t before = tables_.size();
+    for (BsdfQuery& q : queries) {
+        ProbeMaterial material;
+        std::memcpy(static_cast<void*>(&material), q.material, sizeof material);
+        if (material.ior == 1 && material.metallic == 0 && material.transmission == 0) continue;
+        const auto [at, isNew] =
+            tableOfIor_.try_emplace(material.ior, static_cast<float>(tableOfIor_.size()));
+        if (isNew) {
+            const auto table = buildAlbedoTable(material.ior);
+            tables_.insert(tables_.end(), table.begin(), table.end());
+        }
+        material.albedoTable = at->second;
+        std::memcpy(q.material, &material, sizeof material);
+    }
+    if (tables_.size() != before) texels_ = makeTexels(device_, tables_);
+}
+
+std::vector<BsdfAnswer> BsdfProbe::ask(std::vector<BsdfQuery> queries) {
+    setTables(queries);
     const auto count = static_cast<uint32_t>(queries.size());
     gpu::StorageBuffer unused(device_, 16, "unused"), in(device_, sizeof(BsdfQuery) * count, "queries"),
         out(device_, sizeof(BsdfAnswer) * count, "answers");

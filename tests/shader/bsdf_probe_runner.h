@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "tests/shader/bsdf_probe.h"
@@ -8,17 +9,52 @@
 
 namespace tilefarm {
 
-/// Runs the BSDF code of the shaders on lists of queries. The albedo table is that of one `ior`.
+/// MaterialPoint of shaders/material_point.glsl, all members floats, and the side that is seen.
+struct ProbeMaterial {
+    glm::vec3 baseColor{1};
+    float metallic = 0;
+    float alpha = 0.25f;
+    float alphaT = -1;  // negative: as alpha
+    float ior = 1.5f, transmission = 0;
+    float flags = 0;         // MATERIAL_* as a number
+    float albedoTable = -1;  // BsdfProbe::ask fills it in where the material reflects
+    float specular = 1, frontFace = 1;
+    glm::vec3 specularColor{1};
+    float dispersion = 0;
+    glm::vec3 conductorEta{1};
+    float iridescence = 0;
+    glm::vec3 conductorK{0};
+    float iridescenceIor = 1.3f;
+    float iridescenceThickness = 0, clearcoat = 0, clearcoatAlpha = 0, sheenRoughness = 0;
+    glm::vec3 clearcoatNormal{0, 0, 1};
+    float disneySheen = 0;
+    glm::vec3 sheenColor{0};
+    float disneySheenTint = 0;
+    glm::vec3 diffuseTransmissionColor{1};
+    float diffuseTransmission = 0;
+    float subsurface = 0, orenNayarSigma = 0, unused[2] = {};
+};
+static_assert(sizeof(ProbeMaterial) == 16 * PROBE_MATERIAL_TEXELS);
+
+/// A query that draws wi with the numbers u.
+BsdfQuery drawQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& u);
+/// A query that evaluates towards wi.
+BsdfQuery evalQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi);
+
+/// Runs the BSDF code of the shaders, compiled for the given FEATURE_* mask, on lists of queries.
 class BsdfProbe {
 public:
-    BsdfProbe(const gpu::Device& device, float ior);
-    std::vector<BsdfAnswer> ask(const std::vector<BsdfQuery>& queries);
+    BsdfProbe(const gpu::Device& device, uint64_t features);
+    std::vector<BsdfAnswer> ask(std::vector<BsdfQuery> queries);
 
 private:
-    static gpu::ComputePipeline makePipeline(const gpu::Device& device);
+    static gpu::ComputePipeline makePipeline(const gpu::Device& device, uint64_t features);
+    void setTables(std::vector<BsdfQuery>& queries);
 
     const gpu::Device& device_;
     gpu::ComputePipeline pipeline_;
+    std::map<float, float> tableOfIor_;
+    std::vector<glm::vec4> tables_;
     std::vector<gpu::TexelBuffer> texels_;
 };
 

@@ -88,6 +88,7 @@ gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
     record.ior = m.ior;
     record.transmission = m.transmission;
     record.flags = flagsOf(m);
+    record.albedoTable = gpu::NO_INDEX;
     record.absorption =
         m.thickness > 0 ? absorptionCoefficient(m.attenuationColor, m.attenuationDistance) : glm::vec3(0);
     record.baseColorTexture = record.metallicRoughnessTexture = record.normalTexture =
