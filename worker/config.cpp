@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "shared/error/error.h"
+#include "shared/job/job_options.h"
 
 namespace fs = std::filesystem;
 
@@ -65,23 +66,12 @@ void addAgentOptions(CLI::App& app, AgentConfig& agent, Words& words) {
 }
 
 void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
-    JobSpec& spec = config.render.spec;
     app.add_option("scene", config.render.files.entry, ".gltf or .glb")->required();
     app.add_option("-o,--output", config.render.exr, "EXR file to write")->required();
     app.add_option("--png", config.render.png, "PNG file to write as well");
     app.add_option("--report", config.render.report, "JSON file for what was measured");
-    app.add_option("--width", spec.image.width, "pixels")->capture_default_str();
-    app.add_option("--height", spec.image.height, "pixels")->capture_default_str();
-    app.add_option("--tile-size", spec.image.tileSize, "pixels, a multiple of 8; never changes the picture")
-        ->capture_default_str();
-    app.add_option("--samples", spec.stop.samples, "per pixel")->capture_default_str();
-    app.add_option("--seed", spec.settings.seed, "of the random numbers")->capture_default_str();
-    app.add_option("--max-bounces", spec.settings.maxBounces, "surface scatterings after the camera ray")
-        ->capture_default_str();
-    app.add_option("--roulette-start", spec.settings.rouletteStart, "bounces before Russian roulette")
-        ->capture_default_str();
     app.add_option("--environment", config.render.files.environment, "equirectangular .hdr or .exr");
-    app.add_option("--camera", spec.camera, "name of a camera or its node, or 'auto'")->capture_default_str();
+    addPictureOptions(app, config.render.spec);
     app.add_option("--frame", words.frame, "number of the frame")->capture_default_str();
     app.add_option("--exposure", config.render.tone.exposure, "stops, for the PNG")->capture_default_str();
     app.add_option("--tone", words.tone, "linear, aces or pbrNeutral, for the PNG")->capture_default_str();

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/cli/commands.h"
-#include "server/cli/job_options.h"
 #include "shared/error/error.h"
+#include "shared/job/job_options.h"
 #include "shared/job/safe_path.h"
 
 namespace tilefarm {

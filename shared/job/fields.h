@@ -3,9 +3,11 @@
 // The one table of everything a job and the messages around it may say: names, ranges, meanings.
 // Reader, writer and schema (json_reader.h) all go over it. For .cpp files only.
 
+#include "shared/job/appearance_fields.h"
 #include "shared/job/job.h"
 #include "shared/job/json_reader.h"
 #include "shared/job/lease.h"
+#include "shared/job/lighting_fields.h"
 
 namespace tilefarm {
 
@@ -33,6 +35,18 @@ void describe(Visitor& v, Is<ImageSpec> auto& image) {
     v.integer({"tileSize", "pixels; never changes the picture"}, image.tileSize, {8, 1024, 8});
 }
 
+inline constexpr std::array kLightSelectionChoices{
+    Choice<LightSelection>{"tree", LightSelection::tree},
+    Choice<LightSelection>{"power", LightSelection::power},
+    Choice<LightSelection>{"uniform", LightSelection::uniform},
+    Choice<LightSelection>{"all", LightSelection::all},
+};
+inline constexpr std::array kDirectLightChoices{
+    Choice<DirectLight>{"mis", DirectLight::mis},
+    Choice<DirectLight>{"lights", DirectLight::lights},
+    Choice<DirectLight>{"bsdf", DirectLight::bsdf},
+};
+
 template <typename Visitor>
 void describe(Visitor& v, Is<RenderSettings> auto& settings) {
     v.integer({"seed", "of the random numbers"}, settings.seed, kAnyUint32);
@@ -40,6 +54,20 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
               settings.maxBounces, {0, 1024});
     v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},
               settings.rouletteStart, {0, 1024});
+    v.choice({"lightSelection",
+              "which light a surface point asks: one by its estimated share there (tree), "
+              "one by power, one of all alike (uniform), or every one (all)"},
+             settings.lightSelection, kLightSelectionChoices);
+    v.choice({"directLight",
+              "direct light by sampling lights and BSDF, weighted (mis), or by one of them alone; "
+              "bsdf alone never finds lights without extent"},
+             settings.directLight, kDirectLightChoices);
+    v.choice({"microfacets", "distribution of normals of materials that do not say theirs"},
+             settings.microfacets, kMicrofacetChoices);
+    v.choice({"fresnel", "of dielectrics that do not say theirs; schlick is an approximation"},
+             settings.fresnel, kFresnelChoices);
+    v.flag({"energyCompensation", "light that scatters more than once between microfacets"},
+           settings.energyCompensation);
 }
 
 template <typename Visitor>
@@ -57,6 +85,11 @@ void describe(Visitor& v, Is<JobSpec> auto& job) {
     v.object({"frames", ""}, job.frames);
     v.object({"image", ""}, job.image);
     v.object({"settings", ""}, job.settings);
+    v.object({"environment", "what surrounds the scene"}, job.environment);
+    v.list({"lights", "added to the scene's"}, job.lights, {0, 10000});
+    v.list({"materials", "what to change of materials; later ones win"}, job.materials, {0, 10000});
+    v.text({"variant", "of KHR_materials_variants by name; empty for the file's default materials"},
+           job.variant, {0, 1024});
     v.object({"stop", "when the picture is done"}, job.stop);
     v.integer({"priority", "higher goes first"}, job.priority, {0, 100});
 }

@@ -147,12 +147,32 @@ bool JsonReader::wholeNumber(const Json& value, const std::string& pointer, Inte
     return false;
 }
 
-void JsonReader::readNumber(const Json& value, const std::string& pointer, double& out, NumberRange range) {
+bool JsonReader::readNumber(const Json& value, const std::string& pointer, double& out, NumberRange range) {
     const double number = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-    if (number >= range.least && number <= range.most)
+    if (number >= range.least && number <= range.most) {
         out = number;
-    else
-        refuse(value, pointer, fmt::format("must be a number from {} to {}", range.least, range.most));
+        return true;
+    }
+    refuse(value, pointer, fmt::format("must be a number from {} to {}", range.least, range.most));
+    return false;
+}
+
+bool JsonReader::readWord(const Json& value, const std::string& pointer,
+                          std::span<const std::string_view> words, size_t& index) {
+    if (value.is_string()) {
+        const auto found =
+            std::find(words.begin(), words.end(), std::string_view(value.get_ref<const std::string&>()));
+        index = static_cast<size_t>(found - words.begin());
+        if (found != words.end()) return true;
+    }
+    refuse(value, pointer, fmt::format("must be one of {}", fmt::join(words, ", ")));
+    return false;
+}
+
+void JsonReader::word(Member m, std::string& out, std::span<const std::string_view> words) {
+    const json* value = member(m);
+    size_t index = 0;
+    if (value && readWord(*value, place(m), words, index)) out = words[index];
 }
 
 bool JsonReader::isListOf(const Json& value, const std::string& pointer, CountRange count) {
@@ -177,6 +197,10 @@ void JsonReader::files(Member m, std::map<std::string, std::string>& out, CountR
             if (value->contains(path.substr(0, slash)))
                 faults_->add(pointer, "lies in '" + path.substr(0, slash) + "', which is itself a file");
     }
+}
+
+double JsonWriter::shortest(float value) {
+    return std::stod(fmt::format("{}", value));
 }
 
 JsonSchema::Json& JsonSchema::property(const Member& m, Json about) {

@@ -11,11 +11,13 @@
 // output) and JsonSchema (JSON Schema 2020-12, for the API description). A new member is one line.
 // Includes all of nlohmann's JSON: for .cpp files only.
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -90,27 +92,51 @@ public:
     }
     template <std::floating_point T>
     void number(Member m, T& out, NumberRange range) {
-        if (const Json* value = member(m)) {
-            double read = out;
-            readNumber(*value, place(m), read, range);
+        double read = 0;
+        if (const Json* value = member(m); value && readNumber(*value, place(m), read, range))
             out = static_cast<T>(read);
+    }
+    /// Three numbers: a colour, a place, a direction.
+    template <std::floating_point T>
+    void triple(Member m, std::array<T, 3>& out, NumberRange range) {
+        const Json* value = member(m);
+        if (!value || !isListOf(*value, place(m), {3, 3})) return;
+        for (size_t i = 0; i < 3; ++i) {
+            double read = 0;
+            if (readNumber((*value)[i], place(m) + "/" + std::to_string(i), read, range))
+                out[i] = static_cast<T>(read);
         }
     }
     void flag(Member m, bool& out);
     void text(Member m, std::string& out, TextLength length);
     template <typename Enum, size_t N>
     void choice(Member m, Enum& out, const std::array<Choice<Enum>, N>& choices) {
+        std::array<std::string_view, N> words;
+        for (size_t i = 0; i < N; ++i) words[i] = choices[i].word;
         const Json* value = member(m);
-        if (!value) return;
-        std::string known;
-        for (const auto& c : choices) {
-            if (value->is_string() && value->template get_ref<const std::string&>() == c.word) {
-                out = c.value;
-                return;
-            }
-            known += (known.empty() ? "" : ", ") + std::string(c.word);
-        }
-        refuse(*value, place(m), "must be one of " + known);
+        size_t index = 0;
+        if (value && readWord(*value, place(m), words, index)) out = choices[index].value;
+    }
+    void word(Member m, std::string& out, std::span<const std::string_view> words);
+
+    // Members without a default, which may be left out.
+    template <typename T>
+    void number(Member m, std::optional<T>& out, NumberRange range) {
+        ifGiven(m, out, [&](T& value) { number(m, value, range); });
+    }
+    template <typename T>
+    void triple(Member m, std::optional<std::array<T, 3>>& out, NumberRange range) {
+        ifGiven(m, out, [&](std::array<T, 3>& value) { triple(m, value, range); });
+    }
+    void flag(Member m, std::optional<bool>& out) {
+        ifGiven(m, out, [&](bool& value) { flag(m, value); });
+    }
+    template <typename Enum, size_t N>
+    void choice(Member m, std::optional<Enum>& out, const std::array<Choice<Enum>, N>& choices) {
+        ifGiven(m, out, [&](Enum& value) { choice(m, value, choices); });
+    }
+    void word(Member m, std::optional<std::string>& out, std::span<const std::string_view> words) {
+        ifGiven(m, out, [&](std::string& value) { word(m, value, words); });
     }
     template <typename T>
     void object(Member m, T& out) {
@@ -142,7 +168,15 @@ private:
     void refuse(const Json& value, std::string pointer, const std::string& rule);
     bool isListOf(const Json& value, const std::string& pointer, CountRange count);
     bool wholeNumber(const Json& value, const std::string& pointer, IntegerRange range, int64_t& out);
-    void readNumber(const Json& value, const std::string& pointer, double& out, NumberRange range);
+    bool readNumber(const Json& value, const std::string& pointer, double& out, NumberRange range);
+    bool readWord(const Json& value, const std::string& pointer, std::span<const std::string_view> words,
+                  size_t& index);
+    template <typename T, typename Read>
+    void ifGiven(const Member& m, std::optional<T>& out, Read read) {
+        T value{};
+        read(value);
+        if (object_ && object_->contains(m.name)) out = value;
+    }
     template <typename T>
     void readInteger(const Json& value, const std::string& pointer, T& out, IntegerRange range) {
         int64_t read = 0;
@@ -166,9 +200,13 @@ public:
     void integer(Member m, const T& value, IntegerRange) {
         json_[std::string(m.name)] = value;
     }
-    template <typename T>
+    template <std::floating_point T>
     void number(Member m, const T& value, NumberRange) {
-        json_[std::string(m.name)] = value;
+        json_[std::string(m.name)] = shortest(value);
+    }
+    template <std::floating_point T>
+    void triple(Member m, const std::array<T, 3>& value, NumberRange) {
+        json_[std::string(m.name)] = {shortest(value[0]), shortest(value[1]), shortest(value[2])};
     }
     void flag(Member m, bool value) { json_[std::string(m.name)] = value; }
     void text(Member m, const std::string& value, TextLength) { json_[std::string(m.name)] = value; }
@@ -176,6 +214,29 @@ public:
     void choice(Member m, Enum value, const std::array<Choice<Enum>, N>& choices) {
         for (const auto& c : choices)
             if (c.value == value) json_[std::string(m.name)] = c.word;
+    }
+    void word(Member m, const std::string& value, std::span<const std::string_view>) {
+        json_[std::string(m.name)] = value;
+    }
+
+    // Members without a default are written where they have a value.
+    template <typename T>
+    void number(Member m, const std::optional<T>& value, NumberRange range) {
+        if (value) number(m, *value, range);
+    }
+    template <typename T>
+    void triple(Member m, const std::optional<std::array<T, 3>>& value, NumberRange range) {
+        if (value) triple(m, *value, range);
+    }
+    void flag(Member m, const std::optional<bool>& value) {
+        if (value) flag(m, *value);
+    }
+    template <typename Enum, size_t N>
+    void choice(Member m, const std::optional<Enum>& value, const std::array<Choice<Enum>, N>& choices) {
+        if (value) choice(m, *value, choices);
+    }
+    void word(Member m, const std::optional<std::string>& value, std::span<const std::string_view> words) {
+        if (value) word(m, *value, words);
     }
     template <typename T>
     void object(Member m, const T& value) {
@@ -198,6 +259,10 @@ public:
         return std::move(writer.json_);
     }
 
+    /// 0.1f as 0.1, not as 0.10000000149011612; a reader of floats gets the same bits back.
+    static double shortest(double value) { return value; }
+    static double shortest(float value);
+
 private:
     Json json_ = Json::object();
 };
@@ -213,10 +278,16 @@ public:
         if (r.step != 1) p["multipleOf"] = r.step;
         if (!m.required) p["default"] = value;
     }
-    template <typename T>
+    template <std::floating_point T>
     void number(Member m, const T& value, NumberRange r) {
-        Json& p = property(m, {{"type", "number"}, {"minimum", r.least}, {"maximum", r.most}});
-        if (!m.required) p["default"] = value;
+        Json& p = property(m, ofNumber(r));
+        if (!m.required) p["default"] = JsonWriter::shortest(value);
+    }
+    template <std::floating_point T>
+    void triple(Member m, const std::array<T, 3>& value, NumberRange r) {
+        Json& p = property(m, ofTriple(r));
+        const auto shortest = [&](size_t i) { return JsonWriter::shortest(value[i]); };
+        if (!m.required) p["default"] = {shortest(0), shortest(1), shortest(2)};
     }
     void flag(Member m, bool value) { property(m, {{"type", "boolean"}, {"default", value}}); }
     void text(Member m, const std::string& value, TextLength length) {
@@ -225,11 +296,27 @@ public:
     }
     template <typename Enum, size_t N>
     void choice(Member m, Enum value, const std::array<Choice<Enum>, N>& choices) {
-        Json& p = property(m, {{"type", "string"}, {"enum", Json::array()}});
-        for (const auto& c : choices) {
-            p["enum"].push_back(c.word);
+        Json& p = property(m, ofChoices(choices));
+        for (const auto& c : choices)
             if (c.value == value && !m.required) p["default"] = c.word;
-        }
+    }
+
+    // Members without a default.
+    template <typename T>
+    void number(Member m, const std::optional<T>&, NumberRange r) {
+        property(m, ofNumber(r));
+    }
+    template <typename T>
+    void triple(Member m, const std::optional<std::array<T, 3>>&, NumberRange r) {
+        property(m, ofTriple(r));
+    }
+    void flag(Member m, const std::optional<bool>&) { property(m, {{"type", "boolean"}}); }
+    template <typename Enum, size_t N>
+    void choice(Member m, const std::optional<Enum>&, const std::array<Choice<Enum>, N>& choices) {
+        property(m, ofChoices(choices));
+    }
+    void word(Member m, const std::optional<std::string>&, std::span<const std::string_view> words) {
+        property(m, {{"type", "string"}, {"enum", Json(words)}});
     }
     template <typename T>
     void object(Member m, const T& value) {
@@ -255,6 +342,18 @@ public:
     }
 
 private:
+    static Json ofNumber(NumberRange r) {
+        return {{"type", "number"}, {"minimum", r.least}, {"maximum", r.most}};
+    }
+    static Json ofTriple(NumberRange r) {
+        return {{"type", "array"}, {"items", ofNumber(r)}, {"minItems", 3}, {"maxItems", 3}};
+    }
+    template <typename Enum, size_t N>
+    static Json ofChoices(const std::array<Choice<Enum>, N>& choices) {
+        Json words = Json::array();
+        for (const auto& c : choices) words.push_back(c.word);
+        return {{"type", "string"}, {"enum", words}};
+    }
     Json& property(const Member& m, Json about);
 
     Json json_{{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};

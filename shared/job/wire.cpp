@@ -2,49 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
 #include "shared/job/fields.h"
 #include "shared/job/pass_schedule.h"
-#include "shared/job/safe_path.h"
+#include "shared/job/rules.h"
 
 namespace tilefarm {
 
 namespace {
 
 using nlohmann::json;
-
-// Rules between members. What already has a fault of its own is not judged again.
-
-void checkScenePath(const SceneBundle& scene, const std::string& path, const std::string& pointer,
-                    std::pair<const char*, const char*> suffixes, Faults& faults) {
-    if (path.empty() || faults.at(pointer)) return;
-    if (!hasSuffix(path, suffixes.first) && !hasSuffix(path, suffixes.second))
-        faults.add(pointer, fmt::format("must end with {} or {}", suffixes.first, suffixes.second));
-    if (!scene.files.empty() && !scene.files.contains(path))
-        faults.add(pointer, "names '" + path + "', which is not among /scene/files");
-}
-
-void checkFrames(const FrameRange& frames, Faults& faults) {
-    const int64_t last = int64_t{frames.first} + frames.count - 1;
-    if (!faults.at("/frames") && last > std::numeric_limits<int32_t>::max())
-        faults.add("/frames/count", fmt::format("makes the last frame {}, above {}", last,
-                                                std::numeric_limits<int32_t>::max()));
-}
-
-void checkTiles(const ImageSpec& image, Faults& faults) {
-    if (faults.at("/image")) return;
-    if (const uint32_t tiles = TileGrid(image).count(); tiles > kMostTilesPerFrame)
-        faults.add("/image/tileSize", fmt::format("cuts {}x{} pixels into {} tiles, more than {}",
-                                                  image.width, image.height, tiles, kMostTilesPerFrame));
-}
-
-void checkJob(const JobSpec& job, Faults& faults) {
-    checkScenePath(job.scene, job.scene.entry, "/scene/entry", {".gltf", ".glb"}, faults);
-    checkScenePath(job.scene, job.scene.environment, "/scene/environment", {".hdr", ".exr"}, faults);
-    checkFrames(job.frames, faults);
-    checkTiles(job.image, faults);
-}
 
 template <typename T>
 T readAll(const json& source, const char* what, JsonReader::Unknown unknown = JsonReader::Unknown::fault) {

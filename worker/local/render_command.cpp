@@ -74,8 +74,9 @@ FloatImage colourOf(const ImageSpec& image, const std::vector<FilmTile>& tiles) 
 
 void requireValid(const LocalRender& render) {
     JobSpec checked = render.spec;
-    checked.scene = {
-        "scene.gltf", {{"scene.gltf", std::string(64, '0')}}, ""};  // its files are looked at later
+    // The scene's files are looked at later.
+    const std::string anyDigest(64, '0'), environment = render.files.environment.empty() ? "" : "sky.hdr";
+    checked.scene = {"scene.gltf", {{"scene.gltf", anyDigest}, {"sky.hdr", anyDigest}}, environment};
     jobFromJson(toJson(checked));
 }
 

@@ -23,7 +23,14 @@ struct Everything {
     Shape shape = Shape::sphere;
     Part part;
     std::vector<Part> parts;
+    std::array<float, 3> color{0.1f, 0.2f, 0.3f};
+    std::optional<double> maybeReal;
+    std::optional<bool> maybeOn;
+    std::optional<Shape> maybeShape;
+    std::optional<std::array<float, 3>> maybeColor;
+    std::optional<std::string> maybeMetal;
 };
+inline constexpr std::array<std::string_view, 2> kMetals{"gold", "iron"};
 
 template <typename Visitor>
 void describe(Visitor& v, Is<Part> auto& part) {
@@ -38,6 +45,12 @@ void describe(Visitor& v, Is<Everything> auto& e) {
     v.choice({"shape", ""}, e.shape, kShapes);
     v.object({"part", ""}, e.part);
     v.list({"parts", ""}, e.parts, {0, 3});
+    v.triple({"color", ""}, e.color, {0, 1});
+    v.number({"maybeReal", ""}, e.maybeReal, {0, 1});
+    v.flag({"maybeOn", ""}, e.maybeOn);
+    v.choice({"maybeShape", ""}, e.maybeShape, kShapes);
+    v.triple({"maybeColor", ""}, e.maybeColor, {0, 1});
+    v.word({"maybeMetal", ""}, e.maybeMetal, kMetals);
 }
 
 namespace {
@@ -135,8 +148,36 @@ TEST(JsonWriter, WritesEveryMemberSoThatTheReaderTakesItBack) {
     e.shape = Shape::cube;
     e.parts = {{3}};
     const json written = JsonWriter::write(e);
-    EXPECT_EQ(written.size(), 7u);
+    EXPECT_EQ(written.size(), 8u) << "those that may be left out are";
+    EXPECT_EQ(written["color"].dump(), "[0.1,0.2,0.3]") << "the shortest that reads back";
     EXPECT_EQ(JsonWriter::write(read(written)), written);
+    EXPECT_EQ(read(written).color, e.color);
+}
+
+TEST(JsonReader, ReadsMembersThatMayBeLeftOut) {
+    const json source = json::parse(R"({"maybeReal": 0, "maybeOn": false, "maybeShape": "sphere",
+                                        "maybeColor": [0, 0.5, 1], "maybeMetal": "iron"})");
+    const Everything e = read(source);
+    EXPECT_EQ(e.maybeReal, 0.0);
+    EXPECT_EQ(e.maybeOn, false);
+    EXPECT_EQ(e.maybeShape, Shape::sphere);
+    EXPECT_EQ(e.maybeColor, (std::array<float, 3>{0, 0.5f, 1}));
+    EXPECT_EQ(e.maybeMetal, "iron");
+    json written = JsonWriter::write(e);
+    for (const auto& [name, value] : source.items()) EXPECT_EQ(written[name], value);
+
+    const Everything none = read(json::object());
+    EXPECT_FALSE(none.maybeReal || none.maybeOn || none.maybeShape || none.maybeColor || none.maybeMetal);
+}
+
+TEST(JsonReader, NamesThePlaceOfFaultsInThem) {
+    EXPECT_THAT(
+        faultsOf(json::parse(R"({"color": [0, 2, "x"], "maybeReal": null, "maybeOn": 0, "maybeShape": "cone",
+                                         "maybeColor": [0, 0], "maybeMetal": "tin"})")),
+        ElementsAre("/color/1", "/color/2", "/maybeReal", "/maybeOn", "/maybeShape", "/maybeColor",
+                    "/maybeMetal"));
+    EXPECT_THAT(faultsOf(json::parse(R"({"color": {}, "maybeColor": [1, 1, 1, 1], "maybeMetal": 7})")),
+                ElementsAre("/color", "/maybeColor", "/maybeMetal"));
 }
 
 TEST(JsonSchema, TellsRangesDefaultsAndWhatIsRequired) {
@@ -145,6 +186,14 @@ TEST(JsonSchema, TellsRangesDefaultsAndWhatIsRequired) {
         schema["properties"]["whole"],
         json::parse(R"({"type":"integer","minimum":-8,"maximum":8,"default":5,"description":"a number"})"));
     EXPECT_EQ(schema["properties"]["shape"]["enum"], json::parse(R"(["sphere","cube"])"));
+    EXPECT_EQ(schema["properties"]["color"],
+              json::parse(R"({"type": "array", "items": {"type": "number", "minimum": 0.0, "maximum": 1.0},
+                              "minItems": 3, "maxItems": 3, "default": [0.1, 0.2, 0.3]})"));
+    EXPECT_EQ(schema["properties"]["maybeReal"],
+              json::parse(R"({"type": "number", "minimum": 0.0, "maximum": 1.0})"));
+    EXPECT_EQ(schema["properties"]["maybeMetal"],
+              json::parse(R"({"type": "string", "enum": ["gold", "iron"]})"));
+    EXPECT_FALSE(schema["properties"]["maybeShape"].contains("default"));
     EXPECT_EQ(schema["properties"]["part"]["required"], json::parse(R"(["id"])"));
     EXPECT_FALSE(schema.contains("required"));
     EXPECT_EQ(schema["additionalProperties"], false);

@@ -55,11 +55,44 @@ TEST(JobFromJson, TakesBackWhatToJsonWrites) {
     spec.settings.seed = 4294967295u;
     spec.settings.maxBounces = 0;
     spec.settings.rouletteStart = 1024;
+    spec.settings.lightSelection = LightSelection::tree;
+    spec.settings.directLight = DirectLight::bsdf;
+    spec.settings.microfacets = Microfacets::phong;
+    spec.settings.fresnel = Fresnel::schlick;
+    spec.settings.energyCompensation = false;
+    spec.environment.kind = EnvironmentKind::sky;
+    spec.environment.intensity = 0.1;
+    spec.environment.rotation = -30;
+    spec.environment.visible = false;
+    spec.environment.sky = {5, -90, 0, 2, 3.5, 0.1, 4000};
+    LightSettings& spot = spec.lights.emplace_back();
+    spot.name = "key", spot.kind = LightKind::spot;
+    spot.position = {1e-3, -2, 3}, spot.direction = {0, 0, 1}, spot.color = {0.1f, 0, 1};
+    spot.intensity = 1e6, spot.innerCone = 10, spot.outerCone = 20;
+    LightSettings& quad = spec.lights.emplace_back();
+    quad.kind = LightKind::quad, quad.width = 0.3, quad.height = 7, quad.roll = 45, quad.twoSided = true;
+    MaterialOverride& gold = spec.materials.emplace_back();
+    gold.material = "Gold*", gold.conductor = "gold", gold.baseColor = Color{0.3f, 0, 1}, gold.roughness = 0;
+    gold.disneyDiffuse = false, gold.microfacets = Microfacets::beckmann, gold.fresnel = Fresnel::exact;
+    spec.materials.emplace_back().material = "*";
+    spec.variant = "dusk";
     spec.stop.samples = 1 << 24;
     spec.priority = 100;
     const json written = toJson(spec);
     EXPECT_EQ(jobFromJson(written), spec);
     EXPECT_EQ(toJson(jobFromJson(parseJson(written.dump()))).dump(), written.dump());
+}
+
+TEST(JobFromJson, ReadsRecordsOfVersionsThatKnewLess) {
+    const JobSpec old = jobFromJson(json::parse(R"({"camera":"auto","frames":{"count":1,"first":0},
+        "image":{"height":360,"tileSize":128,"width":640},"name":"demo","priority":50,
+        "scene":{"entry":"a.glb","environment":"","files":{"a.glb":")" +
+                                                kDigest + R"("}},
+        "settings":{"maxBounces":8,"rouletteStart":4,"seed":0},"stop":{"samples":64}})"));
+    JobSpec expected;
+    expected.name = "demo";
+    expected.scene = {"a.glb", {{"a.glb", kDigest}}, ""};
+    EXPECT_EQ(old, expected);
 }
 
 TEST(JobFromJson, NamesThePlaceOfEachFault) {
@@ -83,6 +116,36 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"settings": {"seed": -1}})", "/settings/seed"},
         {R"({"settings": {"maxBounces": 1025}})", "/settings/maxBounces"},
         {R"({"settings": {"bounces": 3}})", "/settings/bounces"},
+        {R"({"settings": {"lightSelection": "best"}})", "/settings/lightSelection"},
+        {R"({"settings": {"energyCompensation": 1}})", "/settings/energyCompensation"},
+        {R"({"environment": {"kind": "moon"}})", "/environment/kind"},
+        {R"({"environment": {"kind": "file"}})", "/environment/kind"},
+        {R"({"environment": {"intensity": -1}})", "/environment/intensity"},
+        {R"({"environment": {"kind": "constant", "color": [1, -1, 1]}})", "/environment/color/1"},
+        {R"({"environment": {"color": [2, 2, 2]}})", "/environment/color"},
+        {R"({"environment": {"sky": {"turbidity": 3}}})", "/environment/sky"},
+        {R"({"environment": {"kind": "sky", "sky": {"turbidity": 0}}})", "/environment/sky/turbidity"},
+        {R"({"environment": {"kind": "sky", "sky": {"sun": 0}}})", "/environment/sky/sun"},
+        {R"({"lights": {}})", "/lights"},
+        {R"({"lights": [{}]})", "/lights/0/kind"},
+        {R"({"lights": [{"kind": "point"}, {"kind": "lamp"}]})", "/lights/1/kind"},
+        {R"({"lights": [{"kind": "point", "radius": 1}]})", "/lights/0/radius"},
+        {R"({"lights": [{"kind": "sphere", "radius": 0}]})", "/lights/0/radius"},
+        {R"({"lights": [{"kind": "spot", "direction": [0, 0, 0]}]})", "/lights/0/direction"},
+        {R"({"lights": [{"kind": "spot", "innerCone": 50}]})", "/lights/0/innerCone"},
+        {R"({"lights": [{"kind": "sphere", "position": [0, 1e10, 0]}]})", "/lights/0/position/1"},
+        {R"({"lights": [{"kind": "directional", "position": [0, 1, 0]}]})", "/lights/0/position"},
+        {R"({"materials": [{"roughness": 1}]})", "/materials/0/material"},
+        {R"({"materials": [{"material": ""}]})", "/materials/0/material"},
+        {R"({"materials": [{"material": "*", "roughness": 2}]})", "/materials/0/roughness"},
+        {R"({"materials": [{"material": "*", "conductor": "wood"}]})", "/materials/0/conductor"},
+        {R"({"materials": [{"material": "*", "ior": 0.5}]})", "/materials/0/ior"},
+        {R"({"materials": [{"material": "*", "baseColor": [1, 1]}]})", "/materials/0/baseColor"},
+        {R"({"materials": [{"material": "*", "baseColor": "#fff"}]})", "/materials/0/baseColor"},
+        {R"({"materials": [{"material": "*", "colour": [1, 1, 1]}]})", "/materials/0/colour"},
+        {R"({"materials": [{"material": "*", "clearcoatGloss": 1, "clearcoatRoughness": 0}]})",
+         "/materials/0/clearcoatGloss"},
+        {R"({"variant": 1})", "/variant"},
         {R"({"sampels": 3})", "/sampels"},
         {R"({"name": 7})", "/name"},
         {R"({"name": "a\u0000b"})", "/name"},

@@ -10,8 +10,12 @@ class App;
 
 namespace tilefarm {
 
-/// Adds an option for every setting of a job (--width, --samples, --max-bounces, …), made from the
-/// table of fields that also reads the JSON, and --frames. Values go into `spec`.
+/// Adds an option for everything of a job that decides its picture (--width, --samples, --max-bounces,
+/// --sky-turbidity, --light …), made from the table of fields that also reads the JSON. Values go into
+/// `spec`; the scene's files and its frames are for the caller to ask for.
+void addPictureOptions(CLI::App& app, JobSpec& spec);
+
+/// The same, and what only a farm asks for: --name, --priority, --frames.
 void addJobOptions(CLI::App& app, JobSpec& spec);
 
 /// "7" or "1-240", either end with a sign. Throws Error(invalidArgument) that says what it should be.

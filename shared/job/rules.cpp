@@ -1,0 +1,98 @@
+#include "shared/job/rules.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "shared/job/fields.h"
+#include "shared/job/pass_schedule.h"
+#include "shared/job/safe_path.h"
+
+namespace tilefarm {
+
+namespace {
+
+void checkScenePath(const SceneBundle& scene, const std::string& path, const std::string& pointer,
+                    std::pair<const char*, const char*> suffixes, Faults& faults) {
+    if (path.empty() || faults.at(pointer)) return;
+    if (!hasSuffix(path, suffixes.first) && !hasSuffix(path, suffixes.second))
+        faults.add(pointer, fmt::format("must end with {} or {}", suffixes.first, suffixes.second));
+    if (!scene.files.empty() && !scene.files.contains(path))
+        faults.add(pointer, "names '" + path + "', which is not among /scene/files");
+}
+
+void checkFrames(const FrameRange& frames, Faults& faults) {
+    const int64_t last = int64_t{frames.first} + frames.count - 1;
+    if (!faults.at("/frames") && last > std::numeric_limits<int32_t>::max())
+        faults.add("/frames/count", fmt::format("makes the last frame {}, above {}", last,
+                                                std::numeric_limits<int32_t>::max()));
+}
+
+void checkTiles(const ImageSpec& image, Faults& faults) {
+    if (faults.at("/image")) return;
+    if (const uint32_t tiles = TileGrid(image).count(); tiles > kMostTilesPerFrame)
+        faults.add("/image/tileSize", fmt::format("cuts {}x{} pixels into {} tiles, more than {}",
+                                                  image.width, image.height, tiles, kMostTilesPerFrame));
+}
+
+void checkEnvironment(const JobSpec& job, Faults& faults) {
+    const EnvironmentSettings& e = job.environment;
+    if (faults.at("/environment")) return;
+    if (e.kind == EnvironmentKind::file && job.scene.environment.empty())
+        faults.add("/environment/kind", "is file, but the scene has no environment file");
+    if (e.kind != EnvironmentKind::constant && e.color != EnvironmentSettings{}.color)
+        faults.add("/environment/color", "is for an environment of kind constant");
+    if (e.kind != EnvironmentKind::sky && e.sky != SkySettings{})
+        faults.add("/environment/sky", "is for an environment of kind sky");
+}
+
+// A member that says something of another kind of light is a mistake that would pass in silence.
+void checkLightMembers(const LightSettings& light, const std::string& pointer, Faults& faults) {
+    using K = LightKind;
+    const LightSettings usual;
+    const auto belongs = [&](const char* member, bool isUsual, std::initializer_list<K> kinds) {
+        if (!isUsual && std::find(kinds.begin(), kinds.end(), light.kind) == kinds.end())
+            faults.add(pointer + "/" + member, "is not for a light of this kind");
+    };
+    belongs("position", light.position == usual.position, {K::point, K::spot, K::quad, K::sphere});
+    belongs("direction", light.direction == usual.direction, {K::spot, K::directional, K::quad});
+    belongs("innerCone", light.innerCone == usual.innerCone, {K::spot});
+    belongs("outerCone", light.outerCone == usual.outerCone, {K::spot});
+    belongs("angularDiameter", light.angularDiameter == usual.angularDiameter, {K::directional});
+    belongs("width", light.width == usual.width, {K::quad});
+    belongs("height", light.height == usual.height, {K::quad});
+    belongs("roll", light.roll == usual.roll, {K::quad});
+    belongs("twoSided", light.twoSided == usual.twoSided, {K::quad});
+    belongs("radius", light.radius == usual.radius, {K::sphere});
+}
+
+void checkLight(const LightSettings& light, const std::string& pointer, Faults& faults) {
+    if (faults.at(pointer)) return;
+    checkLightMembers(light, pointer, faults);
+    if (light.direction == std::array<double, 3>{0, 0, 0})
+        faults.add(pointer + "/direction", "must not be zero");
+    if (light.innerCone > light.outerCone)
+        faults.add(pointer + "/innerCone",
+                   fmt::format("is {}, wider than the outer cone of {}", light.innerCone, light.outerCone));
+}
+
+}  // namespace
+
+void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
+    if (material.clearcoatGloss && material.clearcoatRoughness && !faults.at(pointer))
+        faults.add(pointer + "/clearcoatGloss", "cannot go with clearcoatRoughness: a coat has one of them");
+}
+
+void checkJob(const JobSpec& job, Faults& faults) {
+    checkScenePath(job.scene, job.scene.entry, "/scene/entry", {".gltf", ".glb"}, faults);
+    checkScenePath(job.scene, job.scene.environment, "/scene/environment", {".hdr", ".exr"}, faults);
+    checkFrames(job.frames, faults);
+    checkTiles(job.image, faults);
+    checkEnvironment(job, faults);
+    for (size_t i = 0; i < job.lights.size(); ++i)
+        checkLight(job.lights[i], fmt::format("/lights/{}", i), faults);
+    for (size_t i = 0; i < job.materials.size(); ++i)
+        checkAppearance(job.materials[i], fmt::format("/materials/{}", i), faults);
+}
+
+}  // namespace tilefarm

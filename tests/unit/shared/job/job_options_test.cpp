@@ -1,0 +1,154 @@
+#include "shared/job/job_options.h"
+
+#include <gmock/gmock.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+
+#include "tests/support/expect_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace tilefarm {
+namespace {
+
+JobSpec parsed(std::vector<std::string> words) {
+    CLI::App app;
+    JobSpec spec;
+    addJobOptions(app, spec);
+    std::reverse(words.begin(), words.end());
+    app.parse(words);
+    return spec;
+}
+
+TEST(JobOptions, SetEveryFieldOfAJob) {
+    const JobSpec spec = parsed({"--name",        "n",  "--camera",         "Cam", "--width",   "100",
+                                 "--height",      "50", "--tile-size",      "16",  "--seed",    "4294967295",
+                                 "--max-bounces", "3",  "--roulette-start", "2",   "--samples", "7",
+                                 "--priority",    "9",  "--frames",         "3-5"});
+    JobSpec expected;
+    expected.name = "n", expected.camera = "Cam";
+    expected.image = {100, 50, 16};
+    expected.settings.seed = 4294967295u;
+    expected.settings.maxBounces = 3;
+    expected.settings.rouletteStart = 2;
+    expected.stop.samples = 7;
+    expected.priority = 9;
+    expected.frames = {3, 3};
+    EXPECT_EQ(spec, expected);
+}
+
+TEST(JobOptions, SetChoicesAndNestedMembers) {
+    const JobSpec spec = parsed({"--light-selection",
+                                 "tree",
+                                 "--direct-light",
+                                 "lights",
+                                 "--microfacets",
+                                 "beckmann",
+                                 "--fresnel",
+                                 "schlick",
+                                 "--no-energy-compensation",
+                                 "--environment-kind",
+                                 "sky",
+                                 "--environment-rotation",
+                                 "-90",
+                                 "--environment-intensity",
+                                 "2",
+                                 "--no-environment-visible",
+                                 "--sky-sun-elevation",
+                                 "30",
+                                 "--sky-turbidity",
+                                 "3",
+                                 "--variant",
+                                 "dusk"});
+    JobSpec expected;
+    expected.settings.lightSelection = LightSelection::tree;
+    expected.settings.directLight = DirectLight::lights;
+    expected.settings.microfacets = Microfacets::beckmann;
+    expected.settings.fresnel = Fresnel::schlick;
+    expected.settings.energyCompensation = false;
+    expected.environment.kind = EnvironmentKind::sky;
+    expected.environment.rotation = -90;
+    expected.environment.intensity = 2;
+    expected.environment.visible = false;
+    expected.environment.sky.sunElevation = 30;
+    expected.environment.sky.turbidity = 3;
+    expected.variant = "dusk";
+    EXPECT_EQ(spec, expected);
+    EXPECT_EQ(parsed({"--environment-color", "1", "0.5", "0"}).environment.color, (Color{1, 0.5f, 0}));
+    EXPECT_TRUE(parsed({"--environment-visible"}).environment.visible);
+}
+
+TEST(JobOptions, TakeListsAsJsonOrFromFiles) {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "lights.json").string();
+    std::ofstream(file) << R"([{"kind": "point", "intensity": 3}, {"kind": "sphere"}])";
+    const JobSpec spec = parsed({"--material", R"({"material": "Gold", "conductor": "gold"})", "--light",
+                                 file, "--light", R"([{"kind": "quad"}, {"kind": "spot"}])", "--material",
+                                 R"({"material": "*", "roughness": 0.5})"});
+    ASSERT_EQ(spec.materials.size(), 2u);
+    EXPECT_EQ(spec.materials[0].conductor, "gold");
+    EXPECT_EQ(spec.materials[1].roughness, 0.5f);
+    ASSERT_EQ(spec.lights.size(), 4u);
+    EXPECT_EQ(spec.lights[0].intensity, 3);
+    EXPECT_EQ(spec.lights[1].kind, LightKind::sphere);
+    EXPECT_EQ(spec.lights[3].kind, LightKind::spot);
+}
+
+std::string refusal(std::vector<std::string> words) {
+    try {
+        parsed(std::move(words));
+    } catch (const CLI::ParseError& error) {
+        return error.what();
+    }
+    return "taken";
+}
+
+TEST(JobOptions, SayWhatIsWrongWithAList) {
+    using testing::HasSubstr;
+    EXPECT_THAT(refusal({"--material", R"({"material": "a", "roughness": 2, "conductor": "tin"})"}),
+                testing::AllOf(HasSubstr("/roughness must be a number from 0 to 1"),
+                               HasSubstr("/conductor must be one of gold")));
+    EXPECT_THAT(refusal({"--light", R"([{"kind": "point"}, {"kind": "lamp"}])"}),
+                HasSubstr("/1/kind must be one of"));
+    EXPECT_THAT(refusal({"--light", "{\"kind\": "}), HasSubstr("line 1"));
+    EXPECT_THAT(refusal({"--light", "no-such-file.json"}), HasSubstr("no-such-file.json"));
+    EXPECT_THAT(refusal({"--light-selection", "best"}), HasSubstr("tree"));
+}
+
+TEST(PictureOptions, LeaveOutWhatOnlyAFarmAsksFor) {
+    CLI::App app;
+    JobSpec spec;
+    addPictureOptions(app, spec);
+    EXPECT_EQ(app.get_option_no_throw("--priority"), nullptr);
+    EXPECT_EQ(app.get_option_no_throw("--frames"), nullptr);
+    EXPECT_NE(app.get_option_no_throw("--samples"), nullptr);
+    EXPECT_NE(app.get_option_no_throw("--sky-altitude"), nullptr);
+}
+
+TEST(JobOptions, KeepTheDefaultsOfTheApi) {
+    EXPECT_EQ(parsed({}), JobSpec{});
+}
+
+TEST(JobOptions, RefuseWhatIsOutOfRange) {
+    for (const char* words : {"--width=0", "--width=32769", "--width=-1", "--width=x", "--samples=0",
+                              "--priority=101", "--frames=x", "--sampels=1"})
+        EXPECT_THROW(parsed({words}), CLI::ParseError) << words;
+}
+
+TEST(Frames, AreOneOrARange) {
+    EXPECT_EQ(framesFrom("7"), (FrameRange{7, 1}));
+    EXPECT_EQ(framesFrom("1-240"), (FrameRange{1, 240}));
+    EXPECT_EQ(framesFrom("-5--1"), (FrameRange{-5, 5}));
+    EXPECT_EQ(framesFrom("-5-5"), (FrameRange{-5, 11}));
+    for (const char* bad :
+         {"", "5-4", "1-", "-", "1-2-3", "1..2", "0-100000", "2147483648", "9999999999999999999"})
+        EXPECT_EQ(codeOf([&] { framesFrom(bad); }), ErrorCode::invalidArgument) << bad;
+}
+
+TEST(OptionName, SplitsCamelCase) {
+    EXPECT_EQ(optionName("samples"), "--samples");
+    EXPECT_EQ(optionName("maxBounces"), "--max-bounces");
+}
+
+}  // namespace
+}  // namespace tilefarm
