@@ -127,6 +127,17 @@ GPU_CONSTANT TEXTURE_UV1 = 1u << 6;
 GPU_CONSTANT TEXTURE_FLOAT = 1u << 7;
 GPU_CONSTANT TEXTURE_TRANSFORM = 1u << 8;
 
+GPU_CONSTANT SHAPE_SPHERE = 0;     // radius `size.x` around `centre`; round in world space
+GPU_CONSTANT SHAPE_ELLIPSOID = 1;  // the unit sphere, as all below in the shape's own space
+GPU_CONSTANT SHAPE_BOX = 2;        // the cube of side 2
+GPU_CONSTANT SHAPE_RECTANGLE = 3;  // the square of side 2 in z = 0, its front towards +z
+GPU_CONSTANT SHAPE_DISK = 4;       // the unit disk in z = 0, its front towards +z
+GPU_CONSTANT SHAPE_CYLINDER = 5;   // along y, capped: half height, radius at the bottom, at the top
+GPU_CONSTANT SHAPE_CAPSULE = 6;    // hull of two spheres on the y axis: half their distance, radii below and above
+GPU_CONSTANT SHAPE_FIELD = 7;      // where a signed distance is zero, shaders/shapes/field.glsl
+GPU_CONSTANT SHAPE_TEXELS = 8;
+GPU_CONSTANT SHAPE_MIRRORED = 1u << 0;  // the transform's determinant is negative
+
 GPU_CONSTANT LIGHT_TRIANGLE = 0;
 GPU_CONSTANT LIGHT_POINT = 1;
 GPU_CONSTANT LIGHT_SPOT = 2;
@@ -205,6 +216,19 @@ struct LightRecord {
     vec3 b; float blue;
 };
 static_assert(sizeof(LightRecord) == 16 * LIGHT_TEXELS);
+
+// A surface that is not made of triangles. World space is `centre` + toWorld · own space; rows of the matrices.
+struct ShapeRecord {
+    uint kind, material, flags, program;  // program: first texel of a field's instructions in the same buffer
+    vec3 toShape0; float centreX;
+    vec3 toShape1; float centreY;
+    vec3 toShape2; float centreZ;
+    vec3 toWorld0; float size0;
+    vec3 toWorld1; float size1;
+    vec3 toWorld2; float size2;
+    vec3 extent; uint instructions;  // of a field: half sides of the box around the origin that holds it
+};
+static_assert(sizeof(ShapeRecord) == 16 * SHAPE_TEXELS);
 
 // Walker's alias method: keep the index when 32 random bits are below `threshold`, else take `alias`.
 struct AliasRecord {

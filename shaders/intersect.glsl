@@ -6,22 +6,27 @@
 // The including shader declares, before the include:
 //     uniform usamplerBuffer bvhNodes, bvhTriangles;      RGBA32UI
 //     const uint kBvhStackSize = …;        specialization constant, bvhStackConstant(bvh) of worker/bvh/bvh.h
+//     uniform usamplerBuffer shapeTexels;  RGBA32UI, ShapeRecords of gpu_types.h
+//     const bool kBvhShapes = …;           specialization constant: whether there are surfaces other than triangles
 //     const bool kBvhNonOpaque = …;        specialization constant: whether any triangle asks acceptHit
 //     bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 //         Whether a hit on a non-opaque triangle counts. A pure function of its arguments (`key` is the ray's), so that
-//         the order in which the traversal meets triangles does not show.
+//         the order in which the traversal meets triangles does not show. Of a shape the barycentrics are its uv, and
+//         every crossing with it has a key of its own.
 //
 // What can be relied upon:
 // - Watertight: a ray through a shared edge or vertex hits at least one of the triangles around it (Woop, Benthin,
 //   Wald, "Watertight Ray/Triangle Intersection", JCGT 2013). Boxes are tested conservatively (Ize, "Robust BVH Ray
 //   Traversal", JCGT 2013), also where direction components are ±0 or denormal and where the origin lies on a plane.
 // - Of several hits at exactly the same t the lowest primitive index wins, whatever the shape of the tree.
-// - No culling by side. Nothing is hit on `skipPrimitive`.
+// - No culling by side. Nothing is hit on `skipPrimitive` if that is flat: other shapes may be met again
+//   by a ray that starts on them, and origins stand off their surface by its error bound (shapes/shape.glsl).
 // - A ray with NaN or infinite origin or direction, a direction shorter than 1e-18 or longer than 1e18, tMin > tMax or
 //   a NaN limit misses at once. tMin below 0 counts as 0; tMax may be infinite.
 #ifndef TILEFARM_INTERSECT_GLSL
 #define TILEFARM_INTERSECT_GLSL
 
+#include "gpu_types.h"
 #include "load.glsl"
 
 const uint kNoPrimitive = 0xffffffffu;
@@ -37,8 +42,8 @@ struct Ray {
 
 struct Hit {
     float t;
-    uint primitive;     // index of the triangle as given to buildBvh
-    vec2 barycentrics;  // weights of corners 1 and 2; corner 0 has what remains
+    uint primitive;     // index as given to buildBvh: triangles, then shapes
+    vec2 barycentrics;  // weights of corners 1 and 2; corner 0 has what remains; of a shape nothing
     uint triangle;      // its first texel in bvhTriangles
 };
 
@@ -49,6 +54,7 @@ const uint kBvhCountShift = 29u;
 const uint kBvhCount = 3u << kBvhCountShift;
 const uint kBvhAddress = 0x1fffffffu;
 const uint kBvhAskAccept = 0x80000000u;
+const uint kBvhShape = 0x40000000u;
 const uint kBvhRoot = 0u;
 const uint kBvhDone = 0xffffffffu;  // no reference: it would have the count 4 and the last address
 
@@ -137,6 +143,33 @@ struct Candidate {
     uint texel;
 };
 
+#include "shapes/shape.glsl"
+
+// The shape that the texels at `slot` name, against the ray. A shape is crossed several times: what a cut-out lets
+// through at the first crossing may stop at the next.
+void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candidate best) {
+    uint primitive = tag & ~(kBvhAskAccept | kBvhShape);
+    ShapeHead head = loadShape(shape);
+    if (isFlat(head.kind) && primitive == ray.skipPrimitive) return;
+    ShapeRay own = shapeRay(shape, head, ray.origin, ray.direction);
+    ShapeCrossings crossings = shapeCrossings(shape, head, own, tMin, best.t);
+    float after = tMin;
+    for (uint crossing = 0u; crossing < kMostCrossings; ++crossing) {
+        float s;
+        if (!nextCrossing(shape, head, own, crossings, after, best.t, s)) return;
+        float t = s * own.scale;
+        if (!(t < best.t || (t == best.t && primitive < best.primitive))) return;
+        bool counts = true;
+        if (kBvhNonOpaque && (tag & kBvhAskAccept) != 0u)
+            counts = acceptHit(primitive, shapeUv(shape, head, own, s), ray.key + crossing * 0x9e3779b9u);
+        if (counts) {
+            best = Candidate(t, primitive, slot);
+            return;
+        }
+        after = t;
+    }
+}
+
 // The triangle at a texel against the ray; `best` becomes the nearer of both. The three corners are the three
 // components of a vector per axis.
 void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
@@ -144,6 +177,10 @@ void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
     uvec4 texelY = LOAD(bvhTriangles, triangle + shear.axis.y);
     uvec4 texelZ = LOAD(bvhTriangles, triangle + shear.axis.z);
     uint primitive = texelX.w & ~kBvhAskAccept;
+    if (kBvhShapes && (texelX.w & kBvhShape) != 0u) {
+        hitShape(triangle, texelX.x, texelX.w, ray, shear.tMin, best);
+        return;
+    }
     // `precise` throughout: the triangles on both sides of an edge must compute its corners and its edge function alike.
     precise vec3 z = uintBitsToFloat(texelZ.xyz) - shear.origin.z;
     precise vec3 x = uintBitsToFloat(texelX.xyz) - shear.origin.x - shear.shear.x * z;
@@ -224,6 +261,11 @@ bool finishLeaf(inout uint leaf, Ray ray, ShearRay shear, inout Candidate best) 
     return last;
 }
 
+bool isShape(Hit hit) { return (LOAD(bvhTriangles, hit.triangle).w & kBvhShape) != 0u; }
+
+// Index of its ShapeRecord.
+uint shapeOf(Hit hit) { return LOAD(bvhTriangles, hit.triangle).x; }
+
 bool closestHit(Ray ray, out Hit hit) {
     hit = Hit(ray.tMax, kNoPrimitive, vec2(0), 0u);
     if (!isTraceable(ray)) return false;
@@ -275,7 +317,8 @@ bool closestHit(Ray ray, out Hit hit) {
         }
     }
     if (best.primitive == kNoPrimitive) return false;
-    hit = Hit(best.t, best.primitive, barycentricsOf(shear, best.texel), best.texel);
+    hit = Hit(best.t, best.primitive, vec2(0), best.texel);
+    if (!kBvhShapes || !isShape(hit)) hit.barycentrics = barycentricsOf(shear, best.texel);
     return true;
 }
 

@@ -60,9 +60,15 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key) {
     uint flags = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 3u).y;
     vec3 b = vec3(1.0 - barycentrics.x - barycentrics.y, barycentrics);
     vec2 uv0 = vec2(0), uv1 = vec2(0);
-    if (VERTEX_TEXELS > 1u) loadTexCoords(v, b, interpolateTexel(v, b, 0u).w, uv0, uv1);
+    vec4 color = vec4(1);
+    if (has(FEATURE_SHAPES) && v.a == NO_INDEX) {
+        uv0 = uv1 = barycentrics;
+    } else {
+        if (VERTEX_TEXELS > 1u) loadTexCoords(v, b, interpolateTexel(v, b, 0u).w, uv0, uv1);
+        color = loadColor(v, b);
+    }
     uint baseColorTexture = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 5u).x;
-    float alpha = baseColorAndAlpha(v.material, baseColorTexture, uv0, uv1, loadColor(v, b)).a;
+    float alpha = baseColorAndAlpha(v.material, baseColorTexture, uv0, uv1, color).a;
     if ((flags & MATERIAL_MASK) != 0u) return alpha >= materialTexel(v.material, 1u).a;
     if ((flags & MATERIAL_BLEND) == 0u) return true;
     uint bits = pcg4d(uvec4(key, primitive, 0x63757475u, 0x6f757421u)).x;

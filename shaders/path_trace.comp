@@ -131,7 +131,7 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
         }
         if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);
         vec3 worldWo = -path.ray.direction;
-        Surface s = surfaceAt(hit, worldWo);
+        Surface s = surfaceAt(hit, path.ray);
         MaterialPoint m = materialAt(s);
         if (bounce == 0u) {
             result.albedo = m.baseColor;

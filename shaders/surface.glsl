@@ -88,13 +88,12 @@ vec3 consistentNormal(vec3 ns, vec3 ng, vec3 wo) {
     return squared > 0.0 ? bent * inversesqrt(squared) : ng;
 }
 
-vec3 mappedNormal(VertexIndices v, vec3 b, vec3 n, uint normalTexture, float scale, vec2 uv0, vec2 uv1) {
-    vec4 tangent = interpolateTexel(v, b, 2u);
+// `handedness` is the tangent's w, not interpolated.
+vec3 mappedNormal(vec4 tangent, float handedness, vec3 n, uint normalTexture, float scale, vec2 uv0, vec2 uv1) {
     float squared = dot(tangent.xyz, tangent.xyz);
     if (!(squared > 0.0)) return n;
     vec3 t = sampleTexture(normalTexture, uv0, uv1).xyz * 2.0 - 1.0;
     t.xy *= scale;
-    float handedness = vertexTexel(v.a, 2u).w;
     // MikkTSpace: neither axis is re-orthogonalised; only the result is normalised.
     vec3 bitangent = cross(n, tangent.xyz) * (handedness < 0.0 ? -1.0 : 1.0);
     vec3 mapped = t.x * tangent.xyz + t.y * bitangent + t.z * n;
@@ -102,7 +101,35 @@ vec3 mappedNormal(VertexIndices v, vec3 b, vec3 n, uint normalTexture, float sca
     return length2 > 0.0 ? mapped * inversesqrt(length2) : n;
 }
 
-Surface surfaceAt(Hit hit, vec3 wo) {
+// The point of a shape, surfaces other than triangles.
+Surface shapeSurface(Hit hit, Ray ray) {
+    ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t);
+    Surface s;
+    s.position = p.position;
+    s.positionError = p.error;
+    s.frontFace = dot(p.normal, ray.direction) <= 0.0;
+    s.geometricNormal = s.frontFace ? p.normal : -p.normal;
+    s.primitive = hit.primitive;
+    s.material = p.material;
+    s.uv0 = s.uv1 = p.uv;
+    s.color = vec4(1);
+    vec3 ns = p.normal;
+    if (has(FEATURE_NORMAL_MAPS)) {
+        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
+        if (normalTexture != NO_INDEX) {
+            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 2u).z);
+            ns = mappedNormal(p.tangent, p.tangent.w, ns, normalTexture, scale, s.uv0, s.uv1);
+        }
+    }
+    if (dot(ns, s.geometricNormal) < 0.0) ns = -ns;
+    s.frame = frameAround(consistentNormal(ns, s.geometricNormal, -ray.direction));
+    return s;
+}
+
+// The surface that a ray has hit.
+Surface surfaceAt(Hit hit, Ray ray) {
+    if (has(FEATURE_SHAPES) && isShape(hit)) return shapeSurface(hit, ray);
+    vec3 wo = -ray.direction;
     Surface s;
     vec3 corner[3];
     loadCorners(hit, corner);
@@ -132,7 +159,7 @@ Surface surfaceAt(Hit hit, vec3 wo) {
         uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
         if (normalTexture != NO_INDEX) {
             float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 2u).z);
-            ns = mappedNormal(v, b, ns, normalTexture, scale, s.uv0, s.uv1);
+            ns = mappedNormal(interpolateTexel(v, b, 2u), vertexTexel(v.a, 2u).w, ns, normalTexture, scale, s.uv0, s.uv1);
         }
     }
     // The winding decides the side; attribute normals may disagree with it and follow.

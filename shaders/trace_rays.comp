@@ -9,10 +9,12 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const uint kBvhStackSize = 32u;
 layout(constant_id = 1) const bool kBvhNonOpaque = false;
 layout(constant_id = 2) const bool kAnyHit = false;
+layout(constant_id = 3) const bool kBvhShapes = false;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;
 layout(set = 0, binding = 2) uniform usamplerBuffer rays;
 layout(set = 0, binding = 3) writeonly buffer Hits { uvec4 hits[]; };
+layout(set = 0, binding = 4) uniform usamplerBuffer shapeTexels;
 layout(push_constant) uniform Push { uint count; };
 
 // A stand-in for an alpha test: checks of an eighth of the triangle, other ones for every key.

@@ -11,13 +11,14 @@ namespace {
 using gpu::BindingKind;
 
 gpu::ComputePipeline makePipeline(const gpu::Device& device, const Bvh& bvh, const TraceOptions& options) {
-    return {
-        device,
-        {.spirv = options.spirv.empty() ? std::span<const uint32_t>(trace_rays_comp) : options.spirv,
-         .bindings = {BindingKind::texels, BindingKind::texels, BindingKind::texels, BindingKind::storage},
-         .constants = {bvhStackConstant(bvh), !options.nonOpaque.empty(), options.anyHit},
-         .pushConstantBytes = 4,
-         .name = "trace_rays"}};
+    return {device,
+            {.spirv = options.spirv.empty() ? std::span<const uint32_t>(trace_rays_comp) : options.spirv,
+             .bindings = {BindingKind::texels, BindingKind::texels, BindingKind::texels, BindingKind::storage,
+                          BindingKind::texels},
+             .constants = {bvhStackConstant(bvh), !options.nonOpaque.empty(), options.anyHit,
+                           !options.shapes.empty()},
+             .pushConstantBytes = 4,
+             .name = "trace_rays"}};
 }
 
 double processorTime() {
@@ -31,10 +32,11 @@ double processorTime() {
 TraceKernel::TraceKernel(const gpu::Device& device, std::span<const glm::vec3> corners,
                          const TraceOptions& options)
     : device_(device),
-      bvh_(buildBvh(corners, options.nonOpaque)),
+      bvh_(buildBvh(corners, options.nonOpaque, options.shapeBoxes)),
       pipeline_(makePipeline(device, bvh_, options)),
       nodes_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(bvh_.nodes), "BVH nodes"),
-      triangles_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(bvh_.triangles), "BVH triangles") {}
+      triangles_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(bvh_.triangles), "BVH triangles"),
+      shapes_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(options.shapes), "shapes") {}
 
 std::vector<TracedHit> TraceKernel::trace(std::span<const TestRay> rays, int times) {
     std::vector<TracedHit> hits(rays.size());
@@ -46,8 +48,8 @@ std::vector<TracedHit> TraceKernel::trace(std::span<const TestRay> rays, int tim
     const uint32_t groups = (count + 63) / 64, groupsX = std::min(groups, 1024u);
     gpu::CommandRun run(device_);
     for (int i = 0; i < times; ++i)
-        run.dispatch(pipeline_, {nodes_, triangles_, input, output}, gpu::bytesOfValue(count), groupsX,
-                     (groups + groupsX - 1) / groupsX);
+        run.dispatch(pipeline_, {nodes_, triangles_, input, output, shapes_}, gpu::bytesOfValue(count),
+                     groupsX, (groups + groupsX - 1) / groupsX);
     const double start = processorTime();
     seconds_ = run.runAndWait() / times;
     processorSeconds_ = (processorTime() - start) / times;

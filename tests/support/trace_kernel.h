@@ -21,6 +21,8 @@ struct TracedHit {
 struct TraceOptions {
     bool anyHit = false;
     std::vector<uint8_t> nonOpaque = {};
+    std::vector<BvhBox> shapeBoxes = {};
+    std::vector<glm::uvec4> shapes = {};  // their ShapeRecords
     std::span<const uint32_t> spirv =
         {};  // another build of the kernel; empty: the one of the shaders folder
 };
@@ -43,7 +45,7 @@ private:
     const gpu::Device& device_;
     Bvh bvh_;
     gpu::ComputePipeline pipeline_;
-    gpu::TexelBuffer nodes_, triangles_;
+    gpu::TexelBuffer nodes_, triangles_, shapes_;
     double seconds_ = 0, processorSeconds_ = 0;
 };
 

@@ -74,9 +74,15 @@ void* createLeaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pri
     return leaf;
 }
 
-std::vector<RTCBuildPrimitive> boxesOf(std::span<const glm::vec3> corners) {
-    std::vector<RTCBuildPrimitive> boxes(corners.size() / 3);
-    for (size_t i = 0; i < boxes.size(); ++i) {
+std::vector<RTCBuildPrimitive> boxesOf(std::span<const glm::vec3> corners, std::span<const BvhBox> shapes) {
+    const size_t triangles = corners.size() / 3;
+    std::vector<RTCBuildPrimitive> boxes(triangles + shapes.size());
+    for (size_t i = 0; i < shapes.size(); ++i) {
+        const auto [low, high] = shapes[i];
+        boxes[triangles + i] = {low.x,  low.y,  low.z,  0,
+                                high.x, high.y, high.z, static_cast<unsigned>(triangles + i)};
+    }
+    for (size_t i = 0; i < triangles; ++i) {
         const glm::vec3* corner = &corners[3 * i];
         const glm::vec3 low = glm::min(corner[0], glm::min(corner[1], corner[2]));
         const glm::vec3 high = glm::max(corner[0], glm::max(corner[1], corner[2]));
@@ -85,9 +91,10 @@ std::vector<RTCBuildPrimitive> boxesOf(std::span<const glm::vec3> corners) {
     return boxes;
 }
 
-RTCBounds boundsOf(std::span<const glm::vec3> corners) {
-    glm::vec3 low = corners[0], high = corners[0];
+RTCBounds boundsOf(std::span<const glm::vec3> corners, std::span<const BvhBox> shapes) {
+    glm::vec3 low(std::numeric_limits<float>::infinity()), high = -low;
     for (const glm::vec3& corner : corners) low = glm::min(low, corner), high = glm::max(high, corner);
+    for (const BvhBox& box : shapes) low = glm::min(low, box.lower), high = glm::max(high, box.upper);
     return {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};
 }
 
@@ -175,13 +182,20 @@ private:
     void addLeaf(const BuildLeaf& leaf) {
         for (uint32_t i = 0; i < leaf.primitives; ++i) {
             const uint32_t primitive = leaf.primitive[i];
-            const glm::vec3* corner = &corners_[3 * size_t(primitive)];
             const bool ask = !nonOpaque_.empty() && nonOpaque_[primitive];
             const uint32_t tag = primitive | (ask ? kBvhNonOpaque : 0u);
+            ++bvh_.triangleCount;
+            const size_t triangles = corners_.size() / 3;
+            if (primitive >= triangles) {
+                const auto shape = static_cast<uint32_t>(primitive - triangles);
+                bvh_.triangles.insert(bvh_.triangles.end(), kBvhTriangleTexels,
+                                      glm::uvec4(shape, 0, 0, tag | kBvhShape));
+                continue;
+            }
+            const glm::vec3* corner = &corners_[3 * size_t(primitive)];
             for (int axis = 0; axis < 3; ++axis)
                 bvh_.triangles.emplace_back(bits(corner[0][axis]), bits(corner[1][axis]),
                                             bits(corner[2][axis]), tag);
-            ++bvh_.triangleCount;
         }
     }
 
@@ -192,8 +206,9 @@ private:
 
 }  // namespace
 
-Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque) {
-    const size_t count = corners.size() / 3;
+Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque,
+             std::span<const BvhBox> shapes) {
+    const size_t count = corners.size() / 3 + shapes.size();
     if (count * kBvhTriangleTexels >= kMaxTexels)
         throw Error(ErrorCode::unprocessable, fmt::format("{} triangles are more than a BVH holds ({})",
                                                           count, kMaxTexels / kBvhTriangleTexels));
@@ -207,11 +222,11 @@ Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpa
     const EmbreeDevice device(rtcNewDevice(nullptr));
     if (!device) throw Error(ErrorCode::internal, "Embree does not start");
     const EmbreeBvh memory(rtcNewBVH(device.get()));
-    const BuildNode* root = build(device.get(), memory.get(), boxesOf(corners));
+    const BuildNode* root = build(device.get(), memory.get(), boxesOf(corners, shapes));
     if (root->children == 0) {  // few triangles: one leaf, which needs a node above it
         above.children = 1;
         above.child[0] = const_cast<BuildNode*>(root);
-        above.bounds[0] = boundsOf(corners);
+        above.bounds[0] = boundsOf(corners, shapes);
         root = &above;
     }
     bvh.triangles.reserve(count * kBvhTriangleTexels);

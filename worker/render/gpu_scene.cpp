@@ -6,6 +6,7 @@
 #include "worker/render/environment_packer.h"
 #include "worker/render/light_packer.h"
 #include "worker/render/material_packer.h"
+#include "worker/render/shape_packer.h"
 #include "worker/render/vertex_packer.h"
 
 namespace tilefarm {
@@ -18,9 +19,10 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 std::vector<bool> usedMaterials(const Scene& scene, const WorldGeometry& world) {
-    std::vector<bool> used(scene.materials.size());
+    std::vector<bool> used(scene.materials.size() + world.lightMaterials.size());
     for (const WorldInstance& instance : world.instances)
         if (instance.triangleCount > 0) used[instance.material] = true;
+    for (const WorldShape& shape : world.shapes) used[shape.shape.material] = true;
     return used;
 }
 
@@ -32,16 +34,24 @@ std::vector<uint32_t> padded(std::vector<uint32_t> indices) {
 
 // Vertex data that no effect reads is not stored.
 uint64_t geometryFeatures(const WorldGeometry& world) {
-    return world.colors.empty() ? 0u : gpu::bit(gpu::FEATURE_VERTEX_COLORS);
+    return (world.colors.empty() ? 0u : gpu::bit(gpu::FEATURE_VERTEX_COLORS)) |
+           (world.shapes.empty() ? 0u : gpu::bit(gpu::FEATURE_SHAPES));
 }
 
-// Triangles where traversal has to ask whether the ray stops; empty where all are opaque.
-std::vector<uint8_t> nonOpaqueTriangles(const Scene& scene, const WorldGeometry& world) {
+// Primitives where traversal has to ask whether the ray stops; empty where all are opaque.
+std::vector<uint8_t> nonOpaquePrimitives(const Scene& scene, const WorldGeometry& world) {
     std::vector<uint8_t> result;
     for (const WorldInstance& instance : world.instances) {
         if (scene.materials[instance.material].alphaMode == AlphaMode::opaque) continue;
-        result.resize(world.triangleCount());
+        result.resize(world.primitiveCount());
         std::fill_n(result.begin() + instance.firstTriangle, instance.triangleCount, uint8_t{1});
+    }
+    for (size_t i = 0; i < world.shapes.size(); ++i) {
+        const uint32_t material = world.shapes[i].shape.material;
+        if (material >= scene.materials.size() || scene.materials[material].alphaMode == AlphaMode::opaque)
+            continue;
+        result.resize(world.primitiveCount());
+        result[world.triangleCount() + i] = 1;
     }
     return result;
 }
@@ -66,13 +76,15 @@ private:
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
                       uint64_t extraFeatures, PrepareTimes& times) {
     const auto start = std::chrono::steady_clock::now();
-    const Bvh bvh = buildBvh(world.corners(), nonOpaqueTriangles(scene, world));
+    const Bvh bvh = buildBvh(world.corners(), nonOpaquePrimitives(scene, world), shapeBoxes(world.shapes));
     times.bvhSeconds = secondsSince(start);
 
     TexturePacker textures(scene);
     MaterialPacker materials(textures);
     const std::vector<bool> used = usedMaterials(scene, world);
     for (size_t i = 0; i < scene.materials.size(); ++i) materials.add(scene.materials[i], used[i]);
+    for (size_t i = 0; i < world.lightMaterials.size(); ++i)
+        materials.add(world.lightMaterials[i], used[scene.materials.size() + i]);
     const PackedEnvironment environment = packEnvironment(scene.environment);
     PackedLights lights = packLights(scene, world, environment.flux());
 
@@ -105,7 +117,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table");
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
     to.add(TexelFormat::rgba32ui, std::vector<gpu::uvec4>{}, "light tree");
-    to.add(TexelFormat::rgba32ui, std::vector<gpu::uvec4>{}, "shapes");
+    to.add(TexelFormat::rgba32ui, packShapes(world.shapes), "shapes");
     times.uploadSeconds = secondsSince(upload);
     return result;
 }

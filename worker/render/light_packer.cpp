@@ -46,7 +46,7 @@ gpu::LightRecord triangleRecord(const WorldGeometry& world, const EmissiveTriang
 
 void addTriangles(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
     if (world.emissive.empty()) return;
-    packed.primitiveLights.assign(world.triangleCount(), gpu::NO_INDEX);
+    packed.primitiveLights.assign(world.primitiveCount(), gpu::NO_INDEX);
     for (const EmissiveTriangle& triangle : world.emissive) {
         const Material& material = scene.materials[world.instanceOf(triangle.triangle).material];
         if (material.unlit) continue;

@@ -35,9 +35,11 @@ std::vector<glm::vec4> packVertices(const WorldGeometry& world, uint32_t texels)
 
 std::vector<glm::uvec4> packPrimitives(const WorldGeometry& world) {
     std::vector<glm::uvec4> packed;
-    packed.reserve(world.triangleCount());
+    packed.reserve(world.primitiveCount());
     for (uint32_t i = 0; i < world.triangleCount(); ++i)
         packed.emplace_back(world.triangles[i], world.instanceOf(i).material);
+    for (uint32_t i = 0; i < world.shapes.size(); ++i)
+        packed.emplace_back(gpu::NO_INDEX, gpu::NO_INDEX, i, world.shapes[i].shape.material);
     return packed;
 }
 

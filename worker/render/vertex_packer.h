@@ -14,7 +14,8 @@ uint32_t vertexTexelsFor(uint64_t features);
 /// Vertices as shaders/surface.glsl reads them, `texels` each.
 std::vector<glm::vec4> packVertices(const WorldGeometry& world, uint32_t texels);
 
-/// PrimitiveRecords: corner vertices and material of every triangle.
+/// PrimitiveRecords: corner vertices and material of every triangle; then of every shape
+/// NO_INDEX, NO_INDEX, its index and its material.
 std::vector<glm::uvec4> packPrimitives(const WorldGeometry& world);
 
 }  // namespace tilefarm

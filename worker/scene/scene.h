@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "shared/job/appearance.h"
+#include "worker/scene/shapes.h"
 
 /// A scene as plain values, free of glTF and of Vulkan. World space is metres, y up, right handed.
 namespace tilefarm {
@@ -187,6 +188,7 @@ struct Scene {
     std::vector<Material> materials;  // at least one
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
+    std::vector<Shape> shapes;
     std::vector<PunctualLight> lights;
     std::vector<AreaLight> areaLights;
     std::vector<Camera> cameras;

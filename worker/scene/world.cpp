@@ -21,6 +21,38 @@ bool fitsFloat(glm::dvec3 p) {
     return std::abs(p.x) <= max && std::abs(p.y) <= max && std::abs(p.z) <= max;
 }
 
+/// A square of half sides u and v, its front towards u × v.
+Shape shapeOf(const AreaLight& light) {
+    Shape shape;
+    shape.name = light.name;
+    shape.toWorld[3] = glm::dvec4(light.position, 1);
+    if (light.shape == AreaShape::sphere) {
+        shape.size = glm::dvec3(light.radius);
+        return shape;
+    }
+    shape.kind = ShapeKind::rectangle;
+    const glm::dvec3 normal = glm::cross(light.u, light.v);
+    const double length = glm::length(normal);
+    const double size =
+        std::sqrt(length);  // as long as the sides, so that the matrix is no worse than they are
+    shape.toWorld[0] = glm::dvec4(light.u, 0);
+    shape.toWorld[1] = glm::dvec4(light.v, 0);
+    shape.toWorld[2] = glm::dvec4(length > 0 ? normal * (size / length) : normal, 0);
+    return shape;
+}
+
+Material materialOf(const AreaLight& light) {
+    Material material;
+    material.name = light.name;
+    material.baseColor = glm::vec3(0);
+    material.metallic = 0;
+    material.roughness = 1;
+    material.ior = 1;
+    material.emission = light.radiance;
+    material.doubleSided = light.shape == AreaShape::quad && light.twoSided;
+    return material;
+}
+
 /// Near the middle of the bounds, on a grid about as coarse as they are wide: the coordinates left are at
 /// most as large as the scene, and a scene around its origin is not moved at all.
 glm::dvec3 chooseCentre(const Scene& scene) {
@@ -34,6 +66,14 @@ glm::dvec3 chooseCentre(const Scene& scene) {
             }
         }
     }
+    const auto include = [&](const Shape& shape) {
+        const ShapeBounds bounds = boundsOf(shape);
+        if (!isProper(shape) || !fitsFloat(bounds.lower) || !fitsFloat(bounds.upper)) return;
+        lower = glm::min(lower, bounds.lower);
+        upper = glm::max(upper, bounds.upper);
+    };
+    for (const Shape& shape : scene.shapes) include(shape);
+    for (const AreaLight& light : scene.areaLights) include(shapeOf(light));
     const glm::dvec3 extent = upper - lower;
     const double widest = std::max({extent.x, extent.y, extent.z});
     if (!(widest > 0) || !std::isfinite(widest)) {
@@ -60,11 +100,12 @@ public:
         for (const Instance& instance : scene_.instances) {
             add(instance);
         }
+        addShapes();
         for (PunctualLight light : scene_.lights) {
             light.position -= out_.centre;
             out_.lights.push_back(light);
         }
-        if (!out_.triangles.empty()) {
+        if (out_.primitiveCount() > 0) {
             out_.lower = lower_;
             out_.upper = upper_;
         }
@@ -113,6 +154,34 @@ private:
         addTriangles(mesh, range);
         range.triangleCount = out_.triangleCount() - range.firstTriangle;
         out_.instances.push_back(range);
+    }
+
+    void addShapes() {
+        for (const Shape& shape : scene_.shapes) {
+            addShape(shape, kNone);
+        }
+        for (uint32_t i = 0; i < scene_.areaLights.size(); ++i) {
+            Shape shape = shapeOf(scene_.areaLights[i]);
+            shape.material = static_cast<uint32_t>(scene_.materials.size() + i);
+            addShape(shape, i);
+            out_.lightMaterials.push_back(materialOf(scene_.areaLights[i]));
+        }
+    }
+
+    void addShape(Shape shape, uint32_t areaLight) {
+        shape.toWorld[3] -= glm::dvec4(out_.centre, 0.0);
+        const ShapeBounds bounds = boundsOf(shape);
+        if (!isProper(shape) || !fitsFloat(bounds.lower) || !fitsFloat(bounds.upper)) {
+            ++out_.degenerateShapes;
+            return;
+        }
+        // Some roundings of a coordinate: of the box, and of what the kernel makes of the shape.
+        const glm::dvec3 slack = 0x1p-21 * (glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)) +
+                                            glm::length(bounds.upper - bounds.lower));
+        WorldShape world{shape, bounds.lower - slack, bounds.upper + slack, areaLight};
+        lower_ = glm::min(lower_, world.lower);
+        upper_ = glm::max(upper_, world.upper);
+        out_.shapes.push_back(std::move(world));
     }
 
     void addPositions(const Mesh& mesh, const glm::dmat4& toWorld) {

@@ -6,7 +6,7 @@
 
 #include "worker/scene/scene.h"
 
-/// All instances of a scene as triangles in one space, ready to be packed for a device.
+/// All instances of a scene as triangles, and its shapes, in one space, ready to be packed for a device.
 ///
 /// Transforms are composed and applied in double, a common centre is subtracted in double, and only
 /// then are positions rounded to float, once: a scene far from its origin keeps all its bits.
@@ -25,11 +25,19 @@ struct EmissiveTriangle {
     double area = 0;  // in world space, of the rounded corners, m²
 };
 
+/// A surface that is not made of triangles, from Scene::shapes or Scene::areaLights.
+struct WorldShape {
+    Shape shape;  // re-centred
+    /// The box around it, rounded outwards and by what rays that graze it may be off.
+    glm::vec3 lower{0}, upper{0};
+    uint32_t areaLight = kNone;  // index into Scene::areaLights of the light that it is the surface of
+};
+
 struct WorldGeometry {
     /// World space is this space plus `centre`, a multiple of a power of two near the middle of the
     /// bounds; zero for a scene around its origin.
     glm::dvec3 centre{0};
-    glm::vec3 lower{0}, upper{0};  // bounds of the triangles, re-centred; equal where there are none
+    glm::vec3 lower{0}, upper{0};  // bounds of all surfaces, re-centred; equal where there are none
 
     std::vector<WorldInstance> instances;
 
@@ -46,12 +54,19 @@ struct WorldGeometry {
     std::vector<uint32_t> triangleInstance;
     std::vector<uint32_t> triangleInMesh;  // index into Mesh::triangles
 
+    /// Their primitive indices follow those of the triangles. Area lights come last, with materials of their
+    /// own.
+    std::vector<WorldShape> shapes;
+    /// Black and emitting, one per area light; index Scene::materials.size() and on.
+    std::vector<Material> lightMaterials;
+
     std::vector<EmissiveTriangle> emissive;  // those whose material has emission, by triangle
     std::vector<PunctualLight> lights;       // positions re-centred
     /// Left out here because their transform collapses them or they do not fit a float.
-    uint64_t degenerateTriangles = 0;
+    uint64_t degenerateTriangles = 0, degenerateShapes = 0;
 
     uint32_t triangleCount() const { return static_cast<uint32_t>(triangles.size()); }
+    uint32_t primitiveCount() const { return triangleCount() + static_cast<uint32_t>(shapes.size()); }
     const WorldInstance& instanceOf(uint32_t triangle) const { return instances[triangleInstance[triangle]]; }
     /// Three positions per triangle, as buildBvh takes them.
     std::vector<glm::vec3> corners() const;
