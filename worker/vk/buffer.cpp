@@ -91,6 +91,14 @@ size_t texelBytes(TexelFormat format) {
     throw Error(ErrorCode::invalidArgument, "Unknown texel format");
 }
 
+uint32_t Device::Context::deviceMemoryType(const vk::MemoryRequirements& needs,
+                                           const std::string& name) const {
+    const uint32_t type = chooseMemory(memory, needs.memoryTypeBits, MemoryUse::device);
+    if (type == kNoType) throw Error(ErrorCode::unprocessable, fmt::format("No memory type for '{}'", name));
+    if (needs.size > maxAllocation) tooLarge(name, mebibytes(needs.size), mebibytes(maxAllocation));
+    return type;
+}
+
 BufferState::BufferState(Device::Context& owner, vk::DeviceSize size, vk::BufferUsageFlags usage,
                          MemoryUse use, const std::string& bufferName)
     : context(owner),

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "worker/vk/context.h"
+#include "worker/vk/raster_state.h"
 
 namespace tilefarm::gpu {
 namespace {
@@ -32,12 +33,16 @@ static_assert(
 }  // namespace
 
 struct CommandRun::Step {
-    // A dispatch, or
+    // A dispatch,
     std::shared_ptr<const PipelineState> pipeline;
     std::vector<Binding> bindings;
     std::vector<std::byte> pushConstants;
     uint32_t groups[3] = {0, 0, 0};
-    // a copy to the host.
+    // or a draw to a target, which is copied to a buffer,
+    std::shared_ptr<const TargetState> target;
+    std::shared_ptr<const BufferState> to;
+    uint32_t vertices = 0, background = 0;
+    // or a copy to the host.
     std::shared_ptr<const BufferState> from;
     vk::DeviceSize offset = 0, bytes = 0;
 };
@@ -46,7 +51,10 @@ struct Submission::State {
     explicit State(Device::Context& owner) : context(owner) {}
     ~State();
 
+    void bind(const CommandRun::Step& step, vk::PipelineBindPoint point);
     void recordDispatch(const CommandRun::Step& step);
+    void recordDraw(const CommandRun::Step& step);
+    void record(const CommandRun::Step& step);
     void recordRead(const CommandRun::Step& step);
     void makePools(const std::vector<CommandRun::Step>& steps);
     void submit();
@@ -100,7 +108,8 @@ void Submission::State::makePools(const std::vector<CommandRun::Step>& steps) {
     commands.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *timestamps, 0);
 }
 
-void Submission::State::recordDispatch(const CommandRun::Step& step) {
+// The step's pipeline with its buffers and push constants.
+void Submission::State::bind(const CommandRun::Step& step, vk::PipelineBindPoint point) {
     const PipelineState& pipeline = *step.pipeline;
     auto set = std::move(vk::raii::DescriptorSets(
                              context.device, vk::DescriptorSetAllocateInfo(*descriptors, *pipeline.setLayout))
@@ -124,15 +133,52 @@ void Submission::State::recordDispatch(const CommandRun::Step& step) {
         context.device.updateDescriptorSets(write, {});
         keep.push_back(stateOf(step.bindings[i]));
     }
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline.pipeline);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipeline.layout, 0, *set, {});
+    commands.bindPipeline(point, *pipeline.pipeline);
+    commands.bindDescriptorSets(point, *pipeline.layout, 0, *set, {});
     if (!step.pushConstants.empty())
-        commands.pushConstants<std::byte>(*pipeline.layout, vk::ShaderStageFlagBits::eCompute, 0,
-                                          step.pushConstants);
-    commands.dispatch(step.groups[0], step.groups[1], step.groups[2]);
-    fullBarrier(commands);
+        commands.pushConstants<std::byte>(*pipeline.layout, pipeline.stages, 0, step.pushConstants);
     keep.push_back(step.pipeline);
     sets.push_back(std::move(set));
+}
+
+void Submission::State::recordDispatch(const CommandRun::Step& step) {
+    bind(step, vk::PipelineBindPoint::eCompute);
+    commands.dispatch(step.groups[0], step.groups[1], step.groups[2]);
+    fullBarrier(commands);
+}
+
+void Submission::State::recordDraw(const CommandRun::Step& step) {
+    const TargetState& target = *step.target;
+    const vk::Extent2D size = target.size;
+    const uint32_t b = step.background;
+    const std::array<vk::ClearValue, 2> clear{
+        vk::ClearValue(vk::ClearColorValue(std::array<uint32_t, 4>{b, b, b, b})),
+        vk::ClearValue(vk::ClearDepthStencilValue(0.f, 0))};
+    commands.setViewport(
+        0, vk::Viewport(0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1));
+    commands.setScissor(0, vk::Rect2D({0, 0}, size));
+    bind(step, vk::PipelineBindPoint::eGraphics);
+    commands.beginRenderPass(
+        vk::RenderPassBeginInfo(*target.renderPass, *target.framebuffer, {{0, 0}, size}, clear),
+        vk::SubpassContents::eInline);
+    if (step.vertices > 0) commands.draw(step.vertices, 1, 0, 0);
+    commands.endRenderPass();
+    const vk::BufferImageCopy whole(0, 0, 0, {vk::ImageAspectFlagBits::eColor, 0, 0, 1}, {0, 0, 0},
+                                    {size.width, size.height, 1});
+    commands.copyImageToBuffer(*target.colour.image, vk::ImageLayout::eTransferSrcOptimal, *step.to->buffer,
+                               whole);
+    fullBarrier(commands);
+    keep.push_back(step.target);
+    keep.push_back(step.to);
+}
+
+void Submission::State::record(const CommandRun::Step& step) {
+    if (step.target)
+        recordDraw(step);
+    else if (step.pipeline)
+        recordDispatch(step);
+    else
+        recordRead(step);
 }
 
 void Submission::State::recordRead(const CommandRun::Step& step) {
@@ -206,33 +252,54 @@ CommandRun::CommandRun(Device::Context& context) : context_(&context) {}
 CommandRun::~CommandRun() = default;
 CommandRun::CommandRun(CommandRun&&) noexcept = default;
 
-void CommandRun::dispatch(const ComputePipeline& pipeline, const std::vector<Binding>& bindings,
-                          std::span<const std::byte> pushConstants, uint32_t groupsX, uint32_t groupsY,
-                          uint32_t groupsZ) {
-    Step step;
-    step.pipeline = pipeline.state();
-    step.bindings = bindings;
-    step.pushConstants.assign(pushConstants.begin(), pushConstants.end());
-    const uint32_t groups[3] = {groupsX, groupsY, groupsZ};
-    std::copy_n(groups, 3, step.groups);
-
+CommandRun::Step& CommandRun::addStep(const std::shared_ptr<const PipelineState>& pipeline,
+                                      const std::vector<Binding>& bindings,
+                                      std::span<const std::byte> pushConstants) {
     const auto fault = [&](const std::string& message) {
-        throw Error(ErrorCode::invalidArgument,
-                    fmt::format("Dispatch of '{}': {}", step.pipeline->name, message));
+        throw Error(ErrorCode::invalidArgument, fmt::format("Work of '{}': {}", pipeline->name, message));
     };
-    const auto& kinds = step.pipeline->kinds;
+    const auto& kinds = pipeline->kinds;
     if (bindings.size() != kinds.size())
         fault(fmt::format("{} bindings given, {} wanted", bindings.size(), kinds.size()));
     for (size_t i = 0; i < kinds.size(); ++i)
         if (kindOf(bindings[i]) != kinds[i]) fault(fmt::format("binding {} is of the wrong kind", i));
-    if (pushConstants.size() != step.pipeline->pushConstantBytes)
+    if (pushConstants.size() != pipeline->pushConstantBytes)
         fault(fmt::format("{} bytes of push constants given, {} wanted", pushConstants.size(),
-                          step.pipeline->pushConstantBytes));
+                          pipeline->pushConstantBytes));
+    Step& step = steps_.emplace_back();
+    step.pipeline = pipeline;
+    step.bindings = bindings;
+    step.pushConstants.assign(pushConstants.begin(), pushConstants.end());
+    return step;
+}
+
+void CommandRun::dispatch(const ComputePipeline& pipeline, const std::vector<Binding>& bindings,
+                          std::span<const std::byte> pushConstants, uint32_t groupsX, uint32_t groupsY,
+                          uint32_t groupsZ) {
+    const uint32_t groups[3] = {groupsX, groupsY, groupsZ};
     for (int axis = 0; axis < 3; ++axis)
         if (groups[axis] > context_->limits.groups[axis])
-            fault(fmt::format("{} groups on axis {}, the device allows {}", groups[axis], axis,
-                              context_->limits.groups[axis]));
-    if (groupsX && groupsY && groupsZ) steps_.push_back(std::move(step));
+            throw Error(
+                ErrorCode::invalidArgument,
+                fmt::format("Dispatch of '{}': {} groups on axis {}, the device allows {}",
+                            pipeline.state()->name, groups[axis], axis, context_->limits.groups[axis]));
+    Step& step = addStep(pipeline.state(), bindings, pushConstants);
+    std::copy_n(groups, 3, step.groups);
+    if (groupsX == 0 || groupsY == 0 || groupsZ == 0) steps_.pop_back();
+}
+
+void CommandRun::draw(const RasterPipeline& pipeline, const RasterTarget& target, const StorageBuffer& to,
+                      const std::vector<Binding>& bindings, std::span<const std::byte> pushConstants,
+                      uint32_t vertices, uint32_t background) {
+    if (to.bytes() < target.bytes())
+        throw Error(ErrorCode::invalidArgument,
+                    fmt::format("Buffer '{}' has {} bytes, the drawn image takes {}", to.state()->name,
+                                to.bytes(), target.bytes()));
+    Step& step = addStep(pipeline.state(), bindings, pushConstants);
+    step.target = target.state();
+    step.to = to.state();
+    step.vertices = vertices;
+    step.background = background;
 }
 
 size_t CommandRun::read(const StorageBuffer& from, uint64_t offset, uint64_t bytes) {
@@ -258,7 +325,7 @@ Submission CommandRun::submit() {
         context_->transfers.record(state->commands, state->keep);
         state->makePools(steps);
         state->readbacks.reserve(steps.size());
-        for (const Step& step : steps) step.pipeline ? state->recordDispatch(step) : state->recordRead(step);
+        for (const Step& step : steps) state->record(step);
         state->submit();
         return Submission(std::move(state));
     });

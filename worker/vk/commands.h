@@ -9,6 +9,7 @@
 
 #include "worker/vk/buffer.h"
 #include "worker/vk/pipeline.h"
+#include "worker/vk/raster.h"
 
 namespace tilefarm::gpu {
 
@@ -36,7 +37,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// Dispatches that go to the device in one submit. Each sees what the ones before it wrote.
+/// Dispatches and draws that go to the device in one submit. Each sees what the ones before it wrote.
 ///
 ///     CommandRun run(device);
 ///     run.dispatch(pipeline, {nodes, triangles, parameters, film}, bytesOfValue(push), groupsX, groupsY);
@@ -55,6 +56,12 @@ public:
     void dispatch(const ComputePipeline& pipeline, const std::vector<Binding>& bindings,
                   std::span<const std::byte> pushConstants, uint32_t groupsX, uint32_t groupsY = 1,
                   uint32_t groupsZ = 1);
+    /// Clears the target to the integers `background` and depth 0, draws `vertices` / 3 triangles and
+    /// copies the target's pixels, row by row from the top, to the start of `to`. Throws as dispatch, and
+    /// Error(invalidArgument) if `to` is too small.
+    void draw(const RasterPipeline& pipeline, const RasterTarget& target, const StorageBuffer& to,
+              const std::vector<Binding>& bindings, std::span<const std::byte> pushConstants,
+              uint32_t vertices, uint32_t background);
     /// Copies a buffer's bytes to the host after the dispatches so far. All of it if `bytes` is 0. Gives the
     /// index for Submission::bytes.
     size_t read(const StorageBuffer& from, uint64_t offset = 0, uint64_t bytes = 0);
@@ -66,6 +73,9 @@ public:
     struct Step;  // commands.cpp
 
 private:
+    Step& addStep(const std::shared_ptr<const PipelineState>& pipeline, const std::vector<Binding>& bindings,
+                  std::span<const std::byte> pushConstants);
+
     Device::Context* context_;
     std::vector<Step> steps_;
 };

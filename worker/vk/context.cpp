@@ -32,13 +32,14 @@ std::vector<char> loadCacheFile(const std::filesystem::path& path) {
     return fnv1a(data) == checksum ? data : std::vector<char>{};
 }
 
-uint32_t computeFamily(const vk::raii::PhysicalDevice& physical) {
-    const auto families = physical.getQueueFamilyProperties();
-    // A family without graphics first: on GPUs its queue is not shared with the desktop.
-    for (bool withGraphics : {false, true})
+bool draws(const vk::QueueFamilyProperties& family) {
+    return bool(family.queueFlags & vk::QueueFlagBits::eGraphics);
+}
+
+uint32_t computeFamily(const std::vector<vk::QueueFamilyProperties>& families, bool graphics) {
+    for (const bool wanted : {graphics, !graphics})
         for (uint32_t i = 0; i < families.size(); ++i)
-            if (families[i].queueFlags & vk::QueueFlagBits::eCompute &&
-                withGraphics == bool(families[i].queueFlags & vk::QueueFlagBits::eGraphics))
+            if (families[i].queueFlags & vk::QueueFlagBits::eCompute && wanted == draws(families[i]))
                 return i;
     throw Error(ErrorCode::unprocessable, "The Vulkan device has no compute queue");
 }
@@ -118,8 +119,10 @@ Device::Context::Context(uint32_t index, DeviceOptions options) {
             .get<vk::PhysicalDeviceMaintenance3Properties>()
             .maxMemoryAllocationSize;
     memory = physical.getMemoryProperties();
-    queueFamily = computeFamily(physical);
-    timestampBits = physical.getQueueFamilyProperties()[queueFamily].timestampValidBits;
+    const auto families = physical.getQueueFamilyProperties();
+    queueFamily = computeFamily(families, options.graphics);
+    limits.graphics = draws(families[queueFamily]);
+    timestampBits = families[queueFamily].timestampValidBits;
     limits.timestamps = timestampBits != 0 && vkLimits.timestampPeriod > 0;
     device = makeDevice(physical, queueFamily);
     queue = device.getQueue(queueFamily, 0);

@@ -36,10 +36,22 @@ struct BufferState {
 struct PipelineState {
     std::string name;
     std::vector<BindingKind> kinds;
+    vk::ShaderStageFlags stages;
     uint32_t pushConstantBytes = 0;
     vk::raii::DescriptorSetLayout setLayout = nullptr;
     vk::raii::PipelineLayout layout = nullptr;
+    vk::raii::RenderPass renderPass = nullptr;  // raster pipelines
     vk::raii::Pipeline pipeline = nullptr;
+};
+
+/// An image that draws go to, with its memory.
+struct AttachmentState {
+    AttachmentState(Device::Context& owner, vk::Format format, vk::Extent2D size, vk::ImageUsageFlags usage,
+                    vk::ImageAspectFlags aspect, const std::string& name);
+
+    vk::raii::DeviceMemory memory = nullptr;
+    vk::raii::Image image;
+    vk::raii::ImageView view = nullptr;
 };
 
 /// Messages of the validation layers; the driver may call from any thread.
@@ -108,6 +120,8 @@ struct Device::Context {
     std::filesystem::path pipelineCacheFile;  // empty: not kept
     TransferQueue transfers{*this};
 
+    /// The first memory type for `needs` on the device. Throws Error(unprocessable) that names `name`.
+    uint32_t deviceMemoryType(const vk::MemoryRequirements& needs, const std::string& name) const;
     /// Begins a command buffer that sees every write submitted before it.
     vk::raii::CommandBuffer begin();
     void savePipelineCache() const;

@@ -26,6 +26,9 @@ struct DeviceOptions {
     /// Validation layers; any message of theirs makes the next call throw. Also turned on by the
     /// environment variable TILEFARM_VALIDATION=1. Error(unprocessable) if they are not installed.
     bool validation = false;
+    /// A queue that draws too (raster.h), where the device has one. Without it a queue that computes only
+    /// is preferred: on GPUs it is not shared with the desktop.
+    bool graphics = false;
 };
 
 /// What a device allows and how it wants its kernels; for sizing buffers and choosing kernel variants.
@@ -36,6 +39,8 @@ struct DeviceLimits {
     uint32_t groups[3] = {0, 0, 0};
     uint32_t texelBuffers = 0;    // in one pipeline
     uint32_t storageBuffers = 0;  // in one pipeline
+    bool graphics = false;        // the queue draws
+    uint32_t attachmentSize = 0;  // pixels along a side of what it draws to
     bool timestamps = false;      // else device seconds are host seconds
 };
 

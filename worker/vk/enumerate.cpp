@@ -86,6 +86,7 @@ DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from) {
     limits.texelElements = from.maxTexelBufferElements;
     limits.storageBytes = from.maxStorageBufferRange;
     limits.uniformBytes = kUniformBytes;
+    limits.attachmentSize = std::min(from.maxFramebufferWidth, from.maxFramebufferHeight);
     std::copy_n(from.maxComputeWorkGroupCount.data(), 3, limits.groups);
     limits.texelBuffers =
         std::min(from.maxPerStageDescriptorSampledImages, from.maxDescriptorSetSampledImages);

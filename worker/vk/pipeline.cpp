@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "worker/vk/context.h"
+#include "worker/vk/pipeline_parts.h"
 
 namespace tilefarm::gpu {
 namespace {
@@ -37,43 +38,53 @@ void check(const Device& device, const PipelineSpec& spec) {
                                 spec.name, spec.pushConstantBytes, kMaxPushConstantBytes));
 }
 
-void makeLayout(const Device::Context& context, const PipelineSpec& spec, PipelineState& state) {
+void makeLayout(const Device::Context& context, const PipelineSpec& spec, vk::ShaderStageFlags stages,
+                PipelineState& state) {
     std::vector<vk::DescriptorSetLayoutBinding> bindings;
     for (uint32_t i = 0; i < spec.bindings.size(); ++i)
-        bindings.emplace_back(i, descriptorType(spec.bindings[i]), 1, vk::ShaderStageFlagBits::eCompute);
+        bindings.emplace_back(i, descriptorType(spec.bindings[i]), 1, stages);
     state.setLayout =
         vk::raii::DescriptorSetLayout(context.device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
-    const vk::PushConstantRange range(vk::ShaderStageFlagBits::eCompute, 0, spec.pushConstantBytes);
+    const vk::PushConstantRange range(stages, 0, spec.pushConstantBytes);
     vk::PipelineLayoutCreateInfo info({}, *state.setLayout);
     if (spec.pushConstantBytes) info.setPushConstantRanges(range);
     state.layout = vk::raii::PipelineLayout(context.device, info);
 }
 
-void compile(const Device::Context& context, const PipelineSpec& spec, PipelineState& state) {
-    std::vector<vk::SpecializationMapEntry> entries;
-    for (uint32_t id = 0; id < spec.constants.size(); ++id) entries.emplace_back(id, id * 4, 4);
-    const vk::SpecializationInfo constants(static_cast<uint32_t>(entries.size()), entries.data(),
-                                           spec.constants.size() * 4, spec.constants.data());
-    const vk::raii::ShaderModule module(
-        context.device, vk::ShaderModuleCreateInfo({}, spec.spirv.size_bytes(), spec.spirv.data()));
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
-                                                  &constants);
-    state.pipeline = vk::raii::Pipeline(context.device, context.pipelineCache,
-                                        vk::ComputePipelineCreateInfo({}, stage, *state.layout));
-}
-
 }  // namespace
 
-ComputePipeline::ComputePipeline(const Device& device, const PipelineSpec& spec) {
+StageConstants::StageConstants(const std::vector<uint32_t>& values) {
+    for (uint32_t id = 0; id < values.size(); ++id) entries_.emplace_back(id, id * 4, 4);
+    info_ = vk::SpecializationInfo(static_cast<uint32_t>(entries_.size()), entries_.data(), values.size() * 4,
+                                   values.data());
+}
+
+vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv) {
+    return {context.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data())};
+}
+
+std::shared_ptr<PipelineState> startPipeline(const Device& device, const PipelineSpec& spec,
+                                             vk::ShaderStageFlags stages) {
     check(device, spec);
+    auto state = std::make_shared<PipelineState>();
+    state->name = spec.name;
+    state->kinds = spec.bindings;
+    state->stages = stages;
+    state->pushConstantBytes = spec.pushConstantBytes;
+    makeLayout(device.context(), spec, stages, *state);
+    return state;
+}
+
+ComputePipeline::ComputePipeline(const Device& device, const PipelineSpec& spec) {
     Device::Context& context = device.context();
     state_ = guarded(context, fmt::format("compiling kernel '{}'", spec.name), [&] {
-        auto state = std::make_shared<PipelineState>();
-        state->name = spec.name;
-        state->kinds = spec.bindings;
-        state->pushConstantBytes = spec.pushConstantBytes;
-        makeLayout(context, spec, *state);
-        compile(context, spec, *state);
+        auto state = startPipeline(device, spec, vk::ShaderStageFlagBits::eCompute);
+        const StageConstants constants(spec.constants);
+        const auto module = shaderModule(context, spec.spirv);
+        const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                      &constants.info());
+        state->pipeline = vk::raii::Pipeline(context.device, context.pipelineCache,
+                                             vk::ComputePipelineCreateInfo({}, stage, *state->layout));
         context.savePipelineCache();
         return state;
     });
