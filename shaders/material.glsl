@@ -20,6 +20,8 @@ vec3 emissionAt(uint material, uint emissionTexture, vec2 uv0, vec2 uv1) {
     return emission;
 }
 
+#include "material_layers.glsl"
+
 MaterialPoint materialAt(Surface s) {
     MaterialPoint m;
     uvec4 textures = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u);
@@ -48,8 +50,9 @@ MaterialPoint materialAt(Surface s) {
         uint texture_ = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 6u).x;
         if (has(FEATURE_TEXTURES) && m.transmission > 0.0 && texture_ != NO_INDEX)
             m.transmission *= sampleTexture(texture_, s.uv0, s.uv1).r;
-        if (has(FEATURE_ATTENUATION)) m.absorption = materialTexel(s.material, 4u).rgb;
     }
+    if (has(FEATURE_ATTENUATION)) m.absorption = materialTexel(s.material, 4u).rgb;
+    readOptionalLobes(s, m);
     return m;
 }
 

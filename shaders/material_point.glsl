@@ -22,6 +22,7 @@ struct MaterialPoint {
     float dispersion;
 
     float clearcoat, clearcoatAlpha;
+    uint coatTable, sheenTable;
     vec3 clearcoatNormal;  // in the shading frame
     vec3 sheenColor;
     float sheenRoughness;  // perceptual
@@ -42,6 +43,7 @@ void materialPointDefaults(inout MaterialPoint m) {
     m.iridescenceThickness = 0.0;
     m.dispersion = 0.0;
     m.clearcoat = m.clearcoatAlpha = 0.0;
+    m.coatTable = m.sheenTable = 0u;
     m.clearcoatNormal = vec3(0, 0, 1);
     m.sheenColor = vec3(0);
     m.sheenRoughness = 0.0;

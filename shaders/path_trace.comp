@@ -80,7 +80,7 @@ void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
     if (!emitsTowards(m.flags, s.frontFace)) return;
     float cosine = abs(dot(s.geometricNormal, path.ray.direction));
     float weight = path.delta ? 1.0 : powerHeuristic(path.pdf, trianglePdf(s.primitive, t * t, cosine));
-    path.radiance += path.throughput * m.emission * weight;
+    path.radiance += path.throughput * m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine));
 }
 
 // Ends dim paths at random and makes up for it in those that survive. False: the path ends.
@@ -100,8 +100,8 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
-    if (has(FEATURE_TRANSMISSION) && b.wi.z < 0.0 && !bsdf.thin) {
-        path.etaScale *= bsdf.eta * bsdf.eta;
+    if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.thin) {
+        if (transmits(bsdf)) path.etaScale *= bsdf.eta * bsdf.eta;
         if (has(FEATURE_ATTENUATION)) path.absorption = s.frontFace ? m.absorption : vec3(0);
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);

@@ -11,6 +11,7 @@ struct Surface {
     vec4 color;
     uint primitive;
     uint material;
+    vec3 coatNormal;  // of the clearcoat, on the side of wo; only with FEATURE_CLEARCOAT
     bool frontFace;  // wo sees the side that the winding faces
 };
 
@@ -101,6 +102,18 @@ vec3 mappedNormal(vec4 tangent, float handedness, vec3 n, uint normalTexture, fl
     return length2 > 0.0 ? mapped * inversesqrt(length2) : n;
 }
 
+// The coat lies over the bumps of the base: it has a normal map of its own, or none.
+vec3 coatNormal(Surface s, vec4 tangent, vec3 n, vec3 wo) {
+    if (has(FEATURE_NORMAL_MAPS)) {
+        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 9u).y;
+        if (normalTexture != NO_INDEX) {
+            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 8u).z);
+            n = mappedNormal(tangent, tangent.w, n, normalTexture, scale, s.uv0, s.uv1);
+        }
+    }
+    return consistentNormal(dot(n, s.geometricNormal) < 0.0 ? -n : n, s.geometricNormal, wo);
+}
+
 // The point of a shape, surfaces other than triangles.
 Surface shapeSurface(Hit hit, Ray ray) {
     ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t);
@@ -114,6 +127,7 @@ Surface shapeSurface(Hit hit, Ray ray) {
     s.uv0 = s.uv1 = p.uv;
     s.color = vec4(1);
     vec3 ns = p.normal;
+    if (has(FEATURE_CLEARCOAT)) s.coatNormal = coatNormal(s, p.tangent, ns, -ray.direction);
     if (has(FEATURE_NORMAL_MAPS)) {
         uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
         if (normalTexture != NO_INDEX) {
@@ -155,6 +169,11 @@ Surface surfaceAt(Hit hit, Ray ray) {
     loadTexCoords(v, b, first.w, s.uv0, s.uv1);
     s.color = loadColor(v, b);
 
+    if (has(FEATURE_CLEARCOAT)) {
+        vec4 tangent = vec4(0);
+        if (has(FEATURE_NORMAL_MAPS)) tangent = vec4(interpolateTexel(v, b, 2u).xyz, vertexTexel(v.a, 2u).w);
+        s.coatNormal = coatNormal(s, tangent, ns, wo);
+    }
     if (has(FEATURE_NORMAL_MAPS)) {
         uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
         if (normalTexture != NO_INDEX) {

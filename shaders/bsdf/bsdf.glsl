@@ -1,6 +1,6 @@
 // The material model as a sum of lobes, from the top of the stack down:
 //
-//   coat          clearcoat · microfacets (coat.glsl)
+//   coat          clearcoat · microfacets (clearcoat.glsl)
 //   sheen         sheenColor · cloth (sheen.glsl)
 //   interface     reflection and transmission of the microfacets between air and base, and what scatters
 //                 more than once between them
@@ -12,7 +12,7 @@
 // Szirmay-Kalos 2001), which keeps it reciprocal and the sum from exceeding 1.
 //
 // Layers: what lies below coat and sheen is scaled by what they let through as seen from wo alone, as glTF
-// and OpenPBR have it: (1 − clearcoat · Ecoat(wo)) (1 − max(sheenColor) · Esheen(wo)). A white stack returns
+// and OpenPBR have it: (1 − clearcoat · Ecoat(wo)) (1 − Esheen(wo)). A white stack returns
 // exactly all light; the price is that the sum is not reciprocal though every lobe is.
 //
 // `bsdfSample` chooses a lobe by its probability and evaluates all. A lobe that is absent has probability 0
@@ -27,7 +27,7 @@
 #include "reflection.glsl"
 #include "transmission.glsl"
 #include "albedo_table.glsl"
-#include "coat.glsl"
+#include "clearcoat.glsl"
 #include "sheen.glsl"
 
 struct Bsdf {
@@ -42,7 +42,8 @@ struct Bsdf {
     DiffuseBase diffuse;   // with the interface's and layers' factor of wo
     Coat coat;
     Sheen sheen;
-    float below;           // what the layers let through to the interface
+    float belowCoat;       // what the coat lets through to the sheen
+    float below;           // what both layers let through to the interface
     // Probabilities of sampling; their sum is 1.
     float coatChance, sheenChance, backChance, frontChance, facetChance;
 };
@@ -82,7 +83,7 @@ float interfaceAlbedo(Bsdf b, float cosTheta) {
 // with certainty where there is nothing else.
 void setChances(inout Bsdf b, vec3 wo) {
     float coat = has(FEATURE_CLEARCOAT) && b.coat.weight > 0.0 ? coatAlbedo(b.coat, wo) : 0.0;
-    float sheen = hasSheen() ? luminance(b.sheen.color) * sheenAlbedo(b.sheen, wo) : 0.0;
+    float sheen = hasSheen() ? b.belowCoat * sheenAlbedo(b.sheen, wo) : 0.0;
     float back = has(FEATURE_DIFFUSE_TRANSMISSION) ? b.below * luminance(b.diffuse.back) : 0.0;
     float facets = has(FEATURE_SPECULAR) ? b.below * (luminance(fresnel(b, wo.z)) + transmittance(b, wo.z)) : 0.0;
     float others = coat + sheen + back + facets;
@@ -110,14 +111,15 @@ Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
     b.albedoTable = m.albedoTable;
     b.diffuse = diffuseBaseAt(m);
     b.mirror = has(FEATURE_MIRROR) && m.alpha < ALPHA_DELTA;
-    b.below = 1.0;
+    b.belowCoat = 1.0;
     if (has(FEATURE_CLEARCOAT)) {
         b.coat = coatAt(m, wo);
-        if (b.coat.weight > 0.0) b.below = 1.0 - coatAlbedo(b.coat, wo);
+        if (b.coat.weight > 0.0) b.belowCoat = 1.0 - coatAlbedo(b.coat, wo);
     }
+    b.below = b.belowCoat;
     if (hasSheen()) {
         b.sheen = sheenAt(m, wo);
-        if (maxComponent(b.sheen.color) > 0.0) b.below *= 1.0 - maxComponent(b.sheen.color) * sheenAlbedo(b.sheen, wo);
+        b.below *= 1.0 - sheenAlbedo(b.sheen, wo);
     }
     if (has(FEATURE_SPECULAR) && b.albedoTable != NO_INDEX) {
         float through = 1.0 - interfaceAlbedo(b, wo.z);
@@ -170,8 +172,8 @@ vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
     if (has(FEATURE_SPECULAR) && !b.mirror && b.facetChance > 0.0) f += facetsEval(b, wo, wi, pdf);
     if (hasLayers()) f *= b.below;
     if (hasSheen() && b.sheenChance > 0.0 && wi.z > 0.0) {
-        f += sheenEval(b.sheen, wo, wi);
-        pdf += b.sheenChance * cosinePdf(wi);
+        f += b.belowCoat * sheenEval(b.sheen, wo, wi);
+        pdf += b.sheenChance * sheenPdf(b.sheen, wi);
     }
     if (has(FEATURE_CLEARCOAT) && b.coatChance > 0.0 && !coatIsMirror(b.coat)) {
         f += coatEval(b.coat, wo, wi);
@@ -224,10 +226,11 @@ bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
         pick -= b.coatChance;
     }
     if (pick >= 0.0) {
-        float cosine = b.frontChance + (hasSheen() ? b.sheenChance : 0.0);
+        float sheen = hasSheen() ? b.sheenChance : 0.0;
+        float cosine = sheen + b.frontChance;
         float back = has(FEATURE_DIFFUSE_TRANSMISSION) ? b.backChance : 0.0;
         if (!has(FEATURE_SPECULAR) && !has(FEATURE_DIFFUSE_TRANSMISSION) || pick < cosine) {
-            s.wi = cosineHemisphere(u.yz);
+            s.wi = hasSheen() && pick < sheen ? sheenSample(b.sheen, u.yz) : cosineHemisphere(u.yz);
         } else if (has(FEATURE_DIFFUSE_TRANSMISSION) && (!has(FEATURE_SPECULAR) || pick < cosine + back)) {
             s.wi = mirrored(cosineHemisphere(u.yz));
         } else if (has(FEATURE_SPECULAR)) {

@@ -49,6 +49,12 @@ bool sampleTriangleLight(uint light, uvec4 head, uvec4 bits, Surface s, inout Li
         loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
         l.radiance *= sampleTexture(emissionTexture, uv0, uv1).rgb;
     }
+    if (has(FEATURE_CLEARCOAT)) {
+        vec3 barycentrics = vec3(1.0 - u.x - u.y, u);
+        vec2 uv0, uv1;
+        loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
+        l.radiance *= emissionThroughCoat(v.material, uv0, uv1, abs(cosine));
+    }
     l.pdf = uintBitsToFloat(head.z) * areaToSolidAngle(uintBitsToFloat(head.w), distanceSquared, abs(cosine));
     l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
     l.target = offsetOrigin(position, error, normal, -l.wi);

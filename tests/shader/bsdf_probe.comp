@@ -47,6 +47,8 @@ MaterialPoint materialOf(vec4 p[PROBE_MATERIAL_TEXELS]) {
     m.diffuseTransmission = p[9].a;
     m.subsurface = p[10].x;
     m.orenNayarSigma = p[10].y;
+    m.coatTable = uint(max(p[10].z, 0.0));
+    m.sheenTable = uint(max(p[10].w, 0.0));
     return m;
 }
 

@@ -5,10 +5,14 @@
 #include "shaders/gpu_types.h"
 #include "tests/shader/bsdf_probe_runner.h"
 #include "worker/render/albedo_table.h"
+#include "worker/render/layer_tables.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm {
 namespace {
+
+// Beside the indices of refraction.
+constexpr float kSheenTable = -1, kGtr1Table = -2;
 
 BsdfQuery query(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& other, float mode) {
     BsdfQuery result{{wo, 0}, {other, mode}, {}};
@@ -52,20 +56,30 @@ gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device, uint64_t
     return {device, spec};
 }
 
+float BsdfProbe::tableFor(float key, const std::function<std::vector<glm::vec4>()>& build) {
+    const auto [at, isNew] = tableOf_.try_emplace(key, static_cast<float>(tableOf_.size()));
+    if (isNew) {
+        const auto table = build();
+        tables_.insert(tables_.end(), table.begin(), table.end());
+    }
+    return at->second;
+}
+
 // As MaterialPacker: a table for every material that reflects.
 void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
     const size_t before = tables_.size();
     for (BsdfQuery& q : queries) {
         ProbeMaterial material;
         std::memcpy(static_cast<void*>(&material), q.material, sizeof material);
-        if (material.ior == 1 && material.metallic == 0 && material.transmission == 0) continue;
-        const auto [at, isNew] =
-            tableOfIor_.try_emplace(material.ior, static_cast<float>(tableOfIor_.size()));
-        if (isNew) {
-            const auto table = buildAlbedoTable(material.ior);
-            tables_.insert(tables_.end(), table.begin(), table.end());
-        }
-        material.albedoTable = at->second;
+        const auto reflection = [&](float ior) {
+            return tableFor(ior, [=] { return buildAlbedoTable(ior); });
+        };
+        if (material.ior != 1 || material.metallic != 0 || material.transmission != 0)
+            material.albedoTable = reflection(material.ior);
+        const bool gtr1 = (static_cast<uint32_t>(material.flags) & gpu::MATERIAL_GTR1) != 0;
+        if (material.clearcoat > 0)
+            material.coatTable = gtr1 ? tableFor(kGtr1Table, buildGtr1Table) : reflection(1.5f);
+        if (material.sheenColor != glm::vec3(0)) material.sheenTable = tableFor(kSheenTable, buildSheenTable);
         std::memcpy(q.material, &material, sizeof material);
     }
     if (tables_.size() != before) texels_ = makeTexels(device_, tables_);

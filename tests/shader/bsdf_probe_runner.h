@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct ProbeMaterial {
     float disneySheenTint = 0;
     glm::vec3 diffuseTransmissionColor{1};
     float diffuseTransmission = 0;
-    float subsurface = 0, orenNayarSigma = 0, unused[2] = {};
+    float subsurface = 0, orenNayarSigma = 0;
+    float coatTable = -1, sheenTable = -1;  // likewise
 };
 static_assert(sizeof(ProbeMaterial) == 16 * PROBE_MATERIAL_TEXELS);
 
@@ -49,11 +51,12 @@ public:
 
 private:
     static gpu::ComputePipeline makePipeline(const gpu::Device& device, uint64_t features);
+    float tableFor(float key, const std::function<std::vector<glm::vec4>()>& build);
     void setTables(std::vector<BsdfQuery>& queries);
 
     const gpu::Device& device_;
     gpu::ComputePipeline pipeline_;
-    std::map<float, float> tableOfIor_;
+    std::map<float, float> tableOf_;  // by index of refraction
     std::vector<glm::vec4> tables_;
     std::vector<gpu::TexelBuffer> texels_;
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "worker/render/albedo_table.h"
+#include "worker/render/layer_packer.h"
+#include "worker/render/layer_tables.h"
 
 namespace tilefarm {
 namespace {
@@ -19,7 +21,7 @@ uint32_t flagsOf(const Material& m) {
     if (m.alphaMode == AlphaMode::blend) flags |= gpu::MATERIAL_BLEND;
     if (m.thickness == 0) flags |= gpu::MATERIAL_THIN;
     if (m.emission != glm::vec3(0)) flags |= gpu::MATERIAL_EMISSIVE;
-    return flags;
+    return flags | layerFlags(m);
 }
 
 // A texture can only lower roughness and metallic, so with one any lower value may occur.
@@ -32,16 +34,16 @@ uint64_t lobesOf(const Material& m) {
         m.metallicRoughnessTexture || m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
     if ((features & gpu::bit(gpu::FEATURE_SPECULAR)) != 0 && smooth)
         features |= gpu::bit(gpu::FEATURE_MIRROR);
-    if (m.transmission > 0 && m.thickness > 0 &&
+    if ((m.transmission > 0 || m.diffuseTransmission > 0) && m.thickness > 0 &&
         absorptionCoefficient(m.attenuationColor, m.attenuationDistance) != glm::vec3(0))
         features |= gpu::bit(gpu::FEATURE_ATTENUATION);
-    return features;
+    return features | layerFeatures(m);
 }
 
 uint64_t featuresOf(const Material& m) {
     uint64_t features = m.unlit ? gpu::bit(gpu::FEATURE_UNLIT) : lobesOf(m);
-    if (m.baseColorTexture ||
-        (!m.unlit && (m.metallicRoughnessTexture || m.emissionTexture || m.transmissionTexture)))
+    if (m.baseColorTexture || (!m.unlit && (m.metallicRoughnessTexture || m.emissionTexture ||
+                                            m.transmissionTexture || hasLayerTextures(m))))
         features |= gpu::bit(gpu::FEATURE_TEXTURES);
     if (m.normalTexture && !m.unlit) features |= gpu::bit(gpu::FEATURE_NORMAL_MAPS);
     if (m.alphaMode != AlphaMode::opaque) features |= gpu::bit(gpu::FEATURE_CUTOUT);
@@ -59,12 +61,28 @@ glm::vec3 absorptionCoefficient(const glm::vec3& color, float distance) {
 }
 
 uint32_t MaterialPacker::albedoTableFor(float ior) {
-    const auto [at, isNew] = tableOfIor_.try_emplace(ior, static_cast<uint32_t>(tableOfIor_.size()));
-    if (isNew) {
-        const auto table = buildAlbedoTable(ior);
-        albedoTables.insert(albedoTables.end(), table.begin(), table.end());
-    }
+    const auto [at, isNew] = tableOfIor_.try_emplace(ior, 0);
+    if (isNew) at->second = addTable(buildAlbedoTable(ior));
     return at->second;
+}
+
+uint32_t MaterialPacker::addTable(const std::vector<glm::vec4>& table) {
+    const auto index = static_cast<uint32_t>(albedoTables.size() / table.size());
+    albedoTables.insert(albedoTables.end(), table.begin(), table.end());
+    return index;
+}
+
+void MaterialPacker::bindLayerTables(gpu::MaterialRecord& record, const Material& m) {
+    if (m.clearcoat > 0 && m.clearcoatGtr1) {
+        if (!gtr1Table_) gtr1Table_ = addTable(buildGtr1Table());
+        record.coatTable = *gtr1Table_;
+    } else if (m.clearcoat > 0) {
+        record.coatTable = albedoTableFor(1.5f);
+    }
+    if (m.sheenColor != glm::vec3(0)) {
+        if (!sheenTable_) sheenTable_ = addTable(buildSheenTable());
+        record.sheenTable = *sheenTable_;
+    }
 }
 
 void MaterialPacker::bindTextures(gpu::MaterialRecord& record, const Material& m) {
@@ -74,6 +92,7 @@ void MaterialPacker::bindTextures(gpu::MaterialRecord& record, const Material& m
     record.normalTexture = textures_.add(m.normalTexture);
     if (m.emission != glm::vec3(0)) record.emissionTexture = textures_.add(m.emissionTexture);
     if (m.transmission > 0) record.transmissionTexture = textures_.add(m.transmissionTexture);
+    bindLayerTextures(m, record, [&](const TextureRef& t) { return textures_.add(t); });
 }
 
 gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
@@ -98,6 +117,7 @@ gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
                     record.anisotropyTexture = record.iridescenceTexture =
                         record.iridescenceThicknessTexture = record.diffuseTransmissionTexture =
                             record.diffuseTransmissionColorTexture = gpu::NO_INDEX;
+    packLayers(m, record);
     return record;
 }
 
@@ -108,6 +128,7 @@ void MaterialPacker::add(const Material& material, bool used) {
         features |= called;
         if ((called & gpu::bit(gpu::FEATURE_SPECULAR)) != 0)
             record.albedoTable = albedoTableFor(material.ior);
+        if (!material.unlit) bindLayerTables(record, material);
         bindTextures(record, material);
     }
     records.push_back(record);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "shaders/gpu_types.h"
@@ -18,16 +19,19 @@ public:
     void add(const Material& material, bool used);
 
     std::vector<gpu::MaterialRecord> records;
-    std::vector<glm::vec4> albedoTables;  // one table per index of refraction
+    std::vector<glm::vec4> albedoTables;  // one table per index of refraction, and those of the layers
     uint64_t features = 0;                // FEATURE_* that the used materials call for
 
 private:
     uint32_t albedoTableFor(float ior);
+    uint32_t addTable(const std::vector<glm::vec4>& table);
+    void bindLayerTables(gpu::MaterialRecord& record, const Material& material);
     gpu::MaterialRecord pack(const Material& material);
     void bindTextures(gpu::MaterialRecord& record, const Material& material);
 
     TexturePacker& textures_;
     std::map<float, uint32_t> tableOfIor_;
+    std::optional<uint32_t> gtr1Table_, sheenTable_;
 };
 
 /// σ_a = −ln(colour) / distance per channel, 1/m: zero for an infinite distance; a colour of zero

@@ -67,7 +67,9 @@ void Meshes::finish(Mesh& mesh) {
     load_.scene.degenerateTriangles += dropDegenerateTriangles(mesh);
     repairNormals(mesh);
     repairSurface(mesh);
-    const TextureRef& normalTexture = load_.scene.materials[mesh.material].normalTexture;
+    const Material& material = load_.scene.materials[mesh.material];
+    const TextureRef& normalTexture =
+        material.normalTexture ? material.normalTexture : material.clearcoatNormalTexture;
     if (!normalTexture) {
         mesh.tangents.clear();
     } else if (mesh.normals.empty()) {
