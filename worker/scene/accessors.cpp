@@ -196,7 +196,13 @@ std::vector<Element> Accessors::read(uint32_t index, uint32_t components) {
     }
     checkUnbacked(index);
     std::vector<Element> elements(accessor.count, Element(0.0f));
-    auto* out = reinterpret_cast<float*>(elements.data());
+    readInto(index, reinterpret_cast<float*>(elements.data()));
+    return elements;
+}
+
+/// Over zeros, count * components of them.
+void Accessors::readInto(uint32_t index, float* out) {
+    const Accessor& accessor = accessors_[index];
     if (accessor.view && accessor.count > 0) {
         const std::byte* data = views_.bytes(*accessor.view).data() + accessor.offset;
         convert(accessor, data, accessor.stride, accessor.count, out);
@@ -204,7 +210,28 @@ std::vector<Element> Accessors::read(uint32_t index, uint32_t components) {
     if (accessor.sparse) {
         applySparse(index, out);
     }
-    return elements;
+}
+
+std::vector<float> Accessors::numbers(uint32_t index) {
+    const Accessor& accessor = accessors_[index];
+    if (accessor.matrix) {
+        nodes_[index]["type"].fail("must be SCALAR or VECn here");
+    }
+    checkUnbacked(index);
+    std::vector<float> result(uint64_t{accessor.count} * accessor.components, 0.0f);
+    readInto(index, result.data());
+    return result;
+}
+
+std::vector<glm::mat4> Accessors::mat4s(uint32_t index) {
+    const Accessor& accessor = accessors_[index];
+    if (!accessor.matrix || accessor.components != 16 || accessor.type != ComponentType::f32) {
+        nodes_[index].fail("must be a MAT4 of component type 5126 here");
+    }
+    checkUnbacked(index);
+    std::vector<glm::mat4> result(accessor.count, glm::mat4(0.0f));
+    readInto(index, reinterpret_cast<float*>(result.data()));
+    return result;
 }
 
 std::vector<uint32_t> Accessors::sparseIndices(uint32_t index) {

@@ -45,6 +45,9 @@ public:
     std::vector<glm::vec4> vec4s(uint32_t index);
     /// vec3 elements get `w`.
     std::vector<glm::vec4> vec4s(uint32_t index, float w);
+    /// Whatever its type but matrices: count * components numbers.
+    std::vector<float> numbers(uint32_t index);
+    std::vector<glm::mat4> mat4s(uint32_t index);
     /// Unsigned integers as they are.
     std::vector<uint32_t> integers(uint32_t index);
 
@@ -53,6 +56,7 @@ private:
     Accessor::Sparse parseSparse(const JsonNode& node, const Accessor& accessor) const;
     template <typename Element>
     std::vector<Element> read(uint32_t index, uint32_t components);
+    void readInto(uint32_t index, float* out);
     void checkUnbacked(uint32_t index) const;
     void applySparse(uint32_t index, float* out);
     std::vector<uint32_t> sparseIndices(uint32_t index);

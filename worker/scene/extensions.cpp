@@ -15,6 +15,7 @@ struct KnownExtension {
 
 // A lobe that the renderer learns loses its text here and gains a reader in materials.cpp.
 constexpr KnownExtension kKnown[] = {
+    {"KHR_animation_pointer", ""},
     {"EXT_mesh_gpu_instancing", ""},
     {"EXT_meshopt_compression", ""},
     {"KHR_draco_mesh_compression", ""},
@@ -40,7 +41,6 @@ constexpr KnownExtension kKnown[] = {
     {"KHR_xmp", ""},
     {"KHR_xmp_json_ld", ""},
     {"KHR_materials_volume_scatter", "rendered with absorption alone"},
-    {"KHR_animation_pointer", "rendered at rest"},
 };
 
 const KnownExtension* find(std::string_view name) {

@@ -17,6 +17,7 @@ public:
     explicit GltfFile(const std::filesystem::path& path);
 
     JsonNode root() const { return json_->root(); }
+    JsonDocument& document() const { return *json_; }
     const std::string& name() const { return json_->file(); }
     /// The GLB's binary chunk, which is buffer 0 if that has no uri.
     const std::optional<std::span<const std::byte>>& binaryChunk() const { return binaryChunk_; }

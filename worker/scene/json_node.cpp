@@ -207,7 +207,7 @@ void JsonNode::failType(const char* wanted) const {
 
 JsonDocument::JsonDocument(std::string_view text, std::string file) : file_(std::move(file)) {
     try {
-        json_ = std::make_unique<const json>(json::parse(text.begin(), text.end(), StructureCheck(file_)));
+        json_ = std::make_unique<json>(json::parse(text.begin(), text.end(), StructureCheck(file_)));
     } catch (const json::exception& fault) {
         failDocument(file_, fmt::format("is not valid JSON: {}", fault.what()));
     }
@@ -217,5 +217,17 @@ JsonDocument::JsonDocument(std::string_view text, std::string file) : file_(std:
 }
 
 JsonDocument::~JsonDocument() = default;
+
+void JsonDocument::set(const std::string& pointer, const std::vector<double>& numbers) {
+    (*json_)[json::json_pointer(pointer)] = numbers;
+}
+
+void JsonDocument::set(const std::string& pointer, double number) {
+    (*json_)[json::json_pointer(pointer)] = number;
+}
+
+void JsonDocument::set(const std::string& pointer, bool flag) {
+    (*json_)[json::json_pointer(pointer)] = flag;
+}
 
 }  // namespace tilefarm

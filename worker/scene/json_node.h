@@ -65,9 +65,15 @@ public:
     JsonNode root() const { return {json_.get(), "", &file_}; }
     const std::string& file() const { return file_; }
 
+    /// Gives the value at an RFC 6901 pointer another one, as an animation does. Objects on the way are made;
+    /// nodes of other values stay good.
+    void set(const std::string& pointer, double number);
+    void set(const std::string& pointer, const std::vector<double>& numbers);
+    void set(const std::string& pointer, bool flag);
+
 private:
     std::string file_;
-    std::unique_ptr<const nlohmann::json> json_;
+    std::unique_ptr<nlohmann::json> json_;
 };
 
 }  // namespace tilefarm

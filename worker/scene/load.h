@@ -7,8 +7,8 @@
 
 namespace tilefarm {
 
-/// Loads a .gltf (embedded or with files beside it) or .glb, by default at time 0 and in its default
-/// scene. Throws Error(invalidArgument) that names the file, the JSON place and the fault; every
+/// Loads a .gltf (embedded or with files beside it) or .glb, at rest (gltf_source.h: over time) and in its
+/// default scene. Throws Error(invalidArgument) that names the file, the JSON place and the fault; every
 /// index, offset and count is checked before use. An unknown extension in extensionsRequired is an
 /// error, one in extensionsUsed a warning. `variant` is one of KHR_materials_variants by name; empty:
 /// the file's default materials.

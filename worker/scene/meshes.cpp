@@ -7,7 +7,6 @@
 
 #include "worker/scene/extensions.h"
 #include "worker/scene/mesh_repair.h"
-#include "worker/scene/primitive.h"
 #include "worker/scene/tangents.h"
 
 namespace tilefarm {
@@ -32,39 +31,108 @@ Meshes::Meshes(LoadContext& load)
     }
 }
 
-const std::vector<uint32_t>& Meshes::load(uint32_t index, const std::vector<double>& weights) {
-    const JsonNode node = meshes_[index];
-    const std::vector<double> blend = weights.empty() ? numbersOf(node["weights"]) : weights;
-    const auto [entry, isNew] = loaded_.try_emplace({index, blend});
+/// As long as a mesh may have to be deformed anew, it is kept as it was read.
+const Meshes::Source& Meshes::sourceOf(uint32_t index) {
+    const auto [entry, isNew] = sources_.try_emplace(index);
+    Source& source = entry->second;
     if (!isNew) {
+        return source;
+    }
+    const JsonNode primitives = meshes_[index]["primitives"];
+    for (size_t i = 0; i < primitives.size(); ++i) {
+        warnOfNotRendered(load_, primitives[i]);
+        if (std::optional<RawPrimitive> raw = readPrimitive(load_, primitives[i])) {
+            warnOfPrecision(raw->mesh, primitives[i]);
+            source.morphs |= !raw->targets.empty();
+            source.parts.push_back({std::move(*raw), primitives[i]});
+        }
+    }
+    return source;
+}
+
+const std::vector<uint32_t>& Meshes::load(uint32_t index, const std::vector<double>& weights) {
+    if (const auto known = rigid_.find(index); known != rigid_.end()) {
+        return known->second;
+    }
+    const Source& source = sourceOf(index);
+    if (!source.morphs) {
+        const auto entry = rigid_.emplace(index, addParts(index, {}, nullptr, slotsOfFile_)).first;
+        const bool mayBeSkinned = std::any_of(source.parts.begin(), source.parts.end(),
+                                              [](const Part& part) { return bool(part.raw.influences); });
+        if (!mayBeSkinned) {
+            sources_.erase(index);
+        }
         return entry->second;
     }
-    const JsonNode primitives = node["primitives"];
-    for (size_t i = 0; i < primitives.size(); ++i) {
-        if (primitives[i]["targets"].size() > 0) {
-            load_.warn("morph targets", node, "rendered with its default weights");
-        }
-        warnOfNotRendered(load_, primitives[i]);
-        std::optional<Mesh> mesh = readPrimitive(load_, primitives[i], blend);
-        if (!mesh) {
-            continue;
-        }
-        mesh->name = node["name"].textOr(fmt::format("meshes/{}", index));
-        finish(*mesh);
-        warnOfPrecision(*mesh, primitives[i]);
-        entry->second.push_back(static_cast<uint32_t>(load_.scene.meshes.size()));
-        load_.scene.meshes.push_back(std::move(*mesh));
+    const std::vector<double> blend = weights.empty() ? numbersOf(meshes_[index]["weights"]) : weights;
+    const auto [entry, isNew] = morphed_.try_emplace({index, blend});
+    if (isNew) {
+        entry->second = addParts(index, blend, nullptr, slotsOfPose_);
     }
     return entry->second;
 }
 
-/// Everything after reading: default material, repairs, tangents where a normal map wants them.
-void Meshes::finish(Mesh& mesh) {
+std::vector<uint32_t> Meshes::loadSkinned(uint32_t index, const std::vector<double>& weights,
+                                          const std::vector<glm::dmat4>& joints) {
+    sourceOf(index);
+    return addParts(index, weights.empty() ? numbersOf(meshes_[index]["weights"]) : weights, &joints,
+                    slotsOfPose_);
+}
+
+void Meshes::beginPose() {
+    for (const uint32_t slot : slotsOfPose_) {
+        load_.scene.meshes[slot] = Mesh{};
+    }
+    freeSlots_.insert(freeSlots_.end(), slotsOfPose_.begin(), slotsOfPose_.end());
+    slotsOfPose_.clear();
+    morphed_.clear();
+    degenerateOfPose_ = 0;
+}
+
+/// The primitives of a mesh, deformed, in slots of scene.meshes.
+std::vector<uint32_t> Meshes::addParts(uint32_t index, const std::vector<double>& weights,
+                                       const std::vector<glm::dmat4>* joints, std::vector<uint32_t>& slots) {
+    std::vector<uint32_t> result;
+    for (const Part& part : sources_.at(index).parts) {
+        Mesh mesh = part.raw.mesh;
+        blendTargets(mesh, part.raw.targets, weights);
+        if (joints && part.raw.influences) {
+            applySkin(mesh, part.raw.influences, *joints, part.primitive);
+        }
+        mesh.name = meshes_[index]["name"].textOr(fmt::format("meshes/{}", index));
+        (&slots == &slotsOfPose_ ? degenerateOfPose_ : degenerateOfFile_) += finish(mesh);
+        result.push_back(store(std::move(mesh)));
+        slots.push_back(result.back());
+    }
+    return result;
+}
+
+uint32_t Meshes::store(Mesh mesh) {
+    std::vector<Mesh>& meshes = load_.scene.meshes;
+    if (freeSlots_.empty()) {
+        meshes.push_back(std::move(mesh));
+        return static_cast<uint32_t>(meshes.size() - 1);
+    }
+    const uint32_t slot = freeSlots_.back();
+    freeSlots_.pop_back();
+    meshes[slot] = std::move(mesh);
+    return slot;
+}
+
+bool Meshes::isSkinned(uint32_t index) {
+    const Source* source = rigid_.contains(index) && !sources_.contains(index) ? nullptr : &sourceOf(index);
+    return source && std::any_of(source->parts.begin(), source->parts.end(),
+                                 [](const Part& part) { return bool(part.raw.influences); });
+}
+
+/// Everything after reading: default material, repairs, tangents where a normal map wants them. Gives the
+/// number of triangles left out.
+uint64_t Meshes::finish(Mesh& mesh) {
     if (mesh.material == kNone) {
         mesh.material = static_cast<uint32_t>(load_.scene.materials.size() - 1);
     }
     usedMaterials_[mesh.material] = true;
-    load_.scene.degenerateTriangles += dropDegenerateTriangles(mesh);
+    const uint64_t dropped = dropDegenerateTriangles(mesh);
     repairNormals(mesh);
     repairSurface(mesh);
     const Material& material = load_.scene.materials[mesh.material];
@@ -82,6 +150,7 @@ void Meshes::finish(Mesh& mesh) {
     } else if (normalTexture) {
         generateTangents(mesh, normalTexture);
     }
+    return dropped;
 }
 
 void Meshes::warnOfPrecision(const Mesh& mesh, const JsonNode& primitive) {

@@ -4,12 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "worker/scene/load_context.h"
+#include "worker/scene/primitive.h"
 
 namespace tilefarm {
 
 /// The meshes of a glTF file. Construction checks all of them; those that nodes ask for are read into
-/// scene.meshes, one per primitive, once for each set of morph weights.
+/// scene.meshes, one per primitive, once for each set of morph weights and for each use with a skin.
 class Meshes {
 public:
     /// The materials must be in load.scene, the default one last.
@@ -17,18 +17,44 @@ public:
 
     /// Where the primitives of mesh `index` are in scene.meshes. Without `weights` its own ones hold.
     const std::vector<uint32_t>& load(uint32_t index, const std::vector<double>& weights);
+    /// Likewise, moved along with joints: a matrix for each of the skin's. Primitives without JOINTS_0 stay.
+    std::vector<uint32_t> loadSkinned(uint32_t index, const std::vector<double>& weights,
+                                      const std::vector<glm::dmat4>& joints);
+    /// Whether some primitive of the mesh has joints.
+    bool isSkinned(uint32_t index);
+    /// Frees the places in scene.meshes of what was morphed or skinned; the rest stays where it is.
+    void beginPose();
+
     /// Whether a mesh that was loaded has the material.
     const std::vector<bool>& usedMaterials() const { return usedMaterials_; }
     size_t count() const { return meshes_.size(); }
+    /// Triangles left out of the meshes that are in the scene now.
+    uint64_t degenerateTriangles() const { return degenerateOfFile_ + degenerateOfPose_; }
 
 private:
-    void finish(Mesh& mesh);
+    struct Part {
+        RawPrimitive raw;
+        JsonNode primitive;
+    };
+    struct Source {
+        std::vector<Part> parts;
+        bool morphs = false;
+    };
+    const Source& sourceOf(uint32_t index);
+    std::vector<uint32_t> addParts(uint32_t index, const std::vector<double>& weights,
+                                   const std::vector<glm::dmat4>* joints, std::vector<uint32_t>& slots);
+    uint32_t store(Mesh mesh);
+    uint64_t finish(Mesh& mesh);
     void warnOfPrecision(const Mesh& mesh, const JsonNode& primitive);
 
     LoadContext& load_;
     JsonNode meshes_;
     std::vector<bool> usedMaterials_;
-    std::map<std::pair<uint32_t, std::vector<double>>, std::vector<uint32_t>> loaded_;
+    std::map<uint32_t, Source> sources_;               // what may be deformed anew
+    std::map<uint32_t, std::vector<uint32_t>> rigid_;  // what never is
+    std::map<std::pair<uint32_t, std::vector<double>>, std::vector<uint32_t>> morphed_;
+    std::vector<uint32_t> slotsOfFile_, slotsOfPose_, freeSlots_;
+    uint64_t degenerateOfFile_ = 0, degenerateOfPose_ = 0;
 };
 
 /// An array of numbers, empty where it is missing.

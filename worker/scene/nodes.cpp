@@ -112,9 +112,10 @@ std::vector<uint32_t> rootsOfScene(const JsonNode& root, const NodeTree& tree) {
 
 class NodeLoader {
 public:
-    NodeLoader(LoadContext& load, Meshes& meshes)
+    NodeLoader(LoadContext& load, Meshes& meshes, const std::vector<Skin>& skins)
         : load_(load),
           meshes_(meshes),
+          skins_(skins),
           tree_(load.file.root()),
           cameras_(parseCameras(load.file.root())),
           lights_(parseLights(load.file.root())) {}
@@ -169,8 +170,12 @@ private:
 
     void addInstances(const JsonNode& node, uint32_t mesh, const glm::dmat4& toWorld,
                       const std::string& name) {
-        if (node["skin"]) {
-            load_.warn("skins", node, "rendered in its bind pose");
+        if (const JsonNode skin = node["skin"]) {
+            const Skin& bound = skins_[skin.index(skins_.size(), "/skins")];
+            if (meshes_.isSkinned(mesh)) {
+                return addSkinned(node, mesh, bound, name);
+            }
+            load_.warn("skins", node, "rendered where its node is: its mesh has no JOINTS_0");
         }
         const std::vector<uint32_t>& parts = meshes_.load(mesh, numbersOf(node["weights"]));
         const JsonNode instancing = node["extensions"]["EXT_mesh_gpu_instancing"];
@@ -188,6 +193,24 @@ private:
                     instancing.fail("an instance's transform is not finite");
                 }
             }
+        }
+    }
+
+    /// The joints alone place a skinned mesh, wherever its node is. Its vertices are stored around its first
+    /// joint, so that a skin far from the origin keeps its precision.
+    void addSkinned(const JsonNode& node, uint32_t mesh, const Skin& skin, const std::string& name) {
+        glm::dmat4 origin(1);
+        origin[3] = tree_.toWorld(skin.joints[0])[3];
+        const glm::dmat4 toOrigin = glm::inverse(origin);
+        std::vector<glm::dmat4> joints;
+        for (size_t i = 0; i < skin.joints.size(); ++i) {
+            joints.push_back(toOrigin * tree_.toWorld(skin.joints[i]) * skin.inverseBind[i]);
+        }
+        if (node["extensions"]["EXT_mesh_gpu_instancing"]) {
+            load_.warn("EXT_mesh_gpu_instancing", node, "rendered once, where its skin's joints are");
+        }
+        for (const uint32_t part : meshes_.loadSkinned(mesh, numbersOf(node["weights"]), joints)) {
+            load_.scene.instances.push_back({part, origin, name});
         }
     }
 
@@ -226,6 +249,7 @@ private:
 
     LoadContext& load_;
     Meshes& meshes_;
+    const std::vector<Skin>& skins_;
     NodeTree tree_;
     std::vector<Camera> cameras_;
     std::vector<PunctualLight> lights_;
@@ -233,8 +257,8 @@ private:
 
 }  // namespace
 
-void loadNodes(LoadContext& load, Meshes& meshes) {
-    NodeLoader(load, meshes).run();
+void loadNodes(LoadContext& load, Meshes& meshes, const std::vector<Skin>& skins) {
+    NodeLoader(load, meshes, skins).run();
 }
 
 }  // namespace tilefarm

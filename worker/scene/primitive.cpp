@@ -131,32 +131,60 @@ std::vector<uint32_t> readIndices(LoadContext& load, const JsonNode& primitive, 
     return indices;
 }
 
-void addWeighted(std::vector<glm::vec3>& values, const std::vector<glm::vec3>& deltas, double weight) {
-    for (size_t i = 0; i < values.size(); ++i) {
-        values[i] = glm::dvec3(values[i]) + weight * glm::dvec3(deltas[i]);
+/// The deltas of one target for an attribute that the mesh has; empty where the target leaves it alone.
+std::vector<glm::vec3> readDeltas(LoadContext& load, const JsonNode& target, const char* name, size_t count) {
+    const JsonNode node = target[name];
+    if (!node || count == 0) {
+        return {};
     }
+    std::vector<glm::vec3> deltas = load.accessors.vec3s(node.index(load.accessors.count(), "/accessors"));
+    if (deltas.size() != count) {
+        node.fail(fmt::format("has {} elements, but the mesh has {}", deltas.size(), count));
+    }
+    return deltas;
 }
 
-void blendTargets(LoadContext& load, const JsonNode& targets, const std::vector<double>& weights,
-                  Mesh& mesh) {
-    for (size_t i = 0; i < std::min(targets.size(), weights.size()); ++i) {
-        if (weights[i] == 0) {
-            continue;
+std::vector<MorphTarget> readTargets(LoadContext& load, const JsonNode& targets, const Mesh& mesh) {
+    std::vector<MorphTarget> result(targets.size());
+    for (size_t i = 0; i < targets.size(); ++i) {
+        result[i].positions = readDeltas(load, targets[i], "POSITION", mesh.positions.size());
+        result[i].normals = readDeltas(load, targets[i], "NORMAL", mesh.normals.size());
+        result[i].tangents = readDeltas(load, targets[i], "TANGENT", mesh.tangents.size());
+        for (const std::string& name : targets[i].keys()) {
+            if (name != "POSITION" && name != "NORMAL" && name != "TANGENT") {
+                load.warn("morph target " + name, targets[i], "left as it is in the mesh");
+            }
         }
-        const auto blend = [&](const char* name, std::vector<glm::vec3>& values) {
-            const JsonNode node = targets[i][name];
-            if (!node || values.empty()) {
-                return;
+    }
+    return result;
+}
+
+Influences readInfluences(AttributeReader& reader, const JsonNode& attributes, size_t count) {
+    constexpr const char* kJoints[] = {"JOINTS_0", "JOINTS_1"};
+    constexpr const char* kWeights[] = {"WEIGHTS_0", "WEIGHTS_1"};
+    Influences result;
+    for (int set = 0; set < 2; ++set) {
+        result.joints[set] = reader.read<glm::vec4>(kJoints[set]);
+        result.weights[set] = reader.read<glm::vec4>(kWeights[set]);
+        for (const auto& [values, name] :
+             {std::pair{&result.joints[set], kJoints[set]}, std::pair{&result.weights[set], kWeights[set]}}) {
+            const bool wanted = !result.joints[set].empty() || !result.weights[set].empty();
+            if (wanted && values->size() != count) {
+                (attributes[name] ? attributes[name] : attributes)
+                    .fail(
+                        fmt::format("{} has {} elements, but POSITION has {}", name, values->size(), count));
             }
-            const std::vector<glm::vec3> deltas =
-                load.accessors.vec3s(node.index(load.accessors.count(), "/accessors"));
-            if (deltas.size() != values.size()) {
-                node.fail(fmt::format("has {} elements, but the mesh has {}", deltas.size(), values.size()));
-            }
-            addWeighted(values, deltas, weights[i]);
-        };
-        blend("POSITION", mesh.positions);
-        blend("NORMAL", mesh.normals);
+        }
+    }
+    return result;
+}
+
+template <typename Vector>
+void addWeighted(std::vector<Vector>& values, const std::vector<glm::vec3>& deltas, double weight) {
+    for (size_t i = 0; i < deltas.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            values[i][c] = static_cast<float>(double{values[i][c]} + weight * double{deltas[i][c]});
+        }
     }
 }
 
@@ -195,8 +223,7 @@ void checkPrimitive(const LoadContext& load, const JsonNode& primitive) {
     }
 }
 
-std::optional<Mesh> readPrimitive(LoadContext& load, const JsonNode& primitive,
-                                  const std::vector<double>& weights) {
+std::optional<RawPrimitive> readPrimitive(LoadContext& load, const JsonNode& primitive) {
     const PrimitiveMode mode = modeOf(primitive);
     if (!makesTriangles(mode)) {
         load.warn(nameOf(mode), primitive, "left out: only triangles are rendered");
@@ -207,15 +234,27 @@ std::optional<Mesh> readPrimitive(LoadContext& load, const JsonNode& primitive,
         return std::nullopt;
     }
     AttributeReader reader(load, primitive);
-    Mesh mesh;
+    RawPrimitive raw;
+    Mesh& mesh = raw.mesh;
     readAttributes(mesh, reader);
     checkLengths(mesh, primitive["attributes"]);
-    blendTargets(load, primitive["targets"], weights, mesh);
+    raw.targets = readTargets(load, primitive["targets"], mesh);
+    raw.influences = readInfluences(reader, primitive["attributes"], mesh.positions.size());
     const std::vector<uint32_t> indices = readIndices(load, primitive, reader, mesh.positions.size());
     // The Draco decoder gives lists whatever was encoded.
     mesh.triangles = triangulate(reader.draco() ? PrimitiveMode::triangles : mode, indices);
     mesh.material = materialOf(load, primitive);
-    return mesh;
+    return raw;
+}
+
+void blendTargets(Mesh& mesh, const std::vector<MorphTarget>& targets, const std::vector<double>& weights) {
+    for (size_t i = 0; i < std::min(targets.size(), weights.size()); ++i) {
+        if (weights[i] != 0) {
+            addWeighted(mesh.positions, targets[i].positions, weights[i]);
+            addWeighted(mesh.normals, targets[i].normals, weights[i]);
+            addWeighted(mesh.tangents, targets[i].tangents, weights[i]);
+        }
+    }
 }
 
 }  // namespace tilefarm

@@ -176,8 +176,7 @@ TEST_F(MeshesTest, BlendsMorphTargetsByTheirDefaultWeights) {
     EXPECT_THAT(scene.meshes[0].positions,
                 ElementsAre(glm::vec3(0, 0, 2), glm::vec3(1, 0, 0), glm::vec3(0, 2, 0)));
     EXPECT_EQ(scene.meshes[scene.instances[1].mesh].positions[0], glm::vec3(0, 0, 4)) << "the node's weights";
-    ASSERT_EQ(scene.warnings.size(), 1u);
-    EXPECT_EQ(scene.warnings[0].feature, "morph targets");
+    EXPECT_TRUE(scene.warnings.empty());
 }
 
 TEST_F(MeshesTest, WarnsWhereVerticesAreTooFarFromTheirOrigin) {

@@ -191,14 +191,12 @@ TEST_F(NodesTest, InstancesAMeshOnTheGpusBehalf) {
     EXPECT_THAT(fault(), HasSubstr("EXT_mesh_gpu_instancing/attributes/SCALE: has 1 elements"));
 }
 
-TEST_F(NodesTest, WarnsOfSkinsAndAnimations) {
+TEST_F(NodesTest, WarnsOfASkinWithoutInfluences) {
     builder.set("/nodes/0/skin", 0).set("/nodes/0/name", R"("Arm")").set("/skins/0/joints", "[0]");
-    builder.set("/animations/0", R"({"name": "Wave", "channels": [], "samplers": []})");
     const Scene scene = load();
-    ASSERT_EQ(scene.warnings.size(), 2u);
+    ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(scene.warnings[0].where, "nodes/0 (Arm)");
-    EXPECT_EQ(scene.warnings[0].instead, "rendered in its bind pose");
-    EXPECT_EQ(scene.warnings[1].where, "animations/0 (Wave)");
+    EXPECT_EQ(scene.warnings[0].feature, "skins");
 }
 
 }  // namespace

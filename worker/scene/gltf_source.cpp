@@ -1,0 +1,102 @@
+#include "worker/scene/gltf_source.h"
+
+#include <fmt/format.h>
+
+#include <new>
+#include <stdexcept>
+
+#include "shared/error/error.h"
+#include "worker/scene/animations.h"
+#include "worker/scene/extensions.h"
+#include "worker/scene/materials.h"
+#include "worker/scene/nodes.h"
+#include "worker/scene/variants.h"
+
+namespace tilefarm {
+namespace {
+
+// A small compressed file may honestly ask for more memory than there is.
+template <typename Work>
+auto within(const std::filesystem::path& path, Work work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::invalidArgument, fmt::format("{}: does not fit in memory", path.string()));
+    } catch (const std::length_error&) {
+        throw Error(ErrorCode::invalidArgument, fmt::format("{}: does not fit in memory", path.string()));
+    }
+}
+
+LoadContext& checked(LoadContext& load, const std::string& variant) {
+    load.variant = findVariant(load.file.root(), variant);
+    checkExtensions(load);
+    return load;
+}
+
+}  // namespace
+
+struct GltfSource::Impl {
+    Impl(const std::filesystem::path& from, const GltfOptions& options)
+        : path(from),
+          file(from),
+          views(file),
+          accessors(file.root(), views),
+          load{file, views, accessors, scene},
+          textures(checked(load, options.variant)),
+          animations(load, options.animation, options.loop),
+          skins(parseSkins(load)) {
+        scene.materials = parseMaterials(load, textures);
+        meshes.emplace(load);
+    }
+
+    /// What lasts is moved over; whatever else the scene may hold is read anew.
+    void pose(double seconds) {
+        Scene next;
+        next.images = std::move(scene.images);
+        next.meshes = std::move(scene.meshes);
+        next.environment = std::move(scene.environment);
+        next.warnings = std::move(scene.warnings);
+        scene = std::move(next);
+        animations.apply(file.document(), seconds);
+        scene.materials = parseMaterials(load, textures);
+        meshes->beginPose();
+        loadNodes(load, *meshes, skins);
+        scene.degenerateTriangles = meshes->degenerateTriangles();
+        textures.decodeUsed(scene.materials, meshes->usedMaterials());
+    }
+
+    std::filesystem::path path;
+    GltfFile file;
+    BufferViews views;
+    Accessors accessors;
+    Scene scene;
+    LoadContext load;
+    Textures textures;
+    Animations animations;
+    std::vector<Skin> skins;
+    std::optional<Meshes> meshes;
+};
+
+GltfSource::GltfSource(const std::filesystem::path& path, GltfOptions options)
+    : impl_(within(path, [&] { return std::make_unique<Impl>(path, options); })) {}
+
+GltfSource::~GltfSource() = default;
+
+bool GltfSource::animated() const {
+    return !impl_->animations.empty();
+}
+
+double GltfSource::seconds() const {
+    return impl_->animations.seconds();
+}
+
+Scene& GltfSource::at(double seconds) {
+    within(impl_->path, [&] { impl_->pose(seconds); });
+    return impl_->scene;
+}
+
+Scene GltfSource::take() {
+    return std::move(at(0));
+}
+
+}  // namespace tilefarm

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "worker/scene/scene.h"
+
+namespace tilefarm {
+
+struct GltfOptions {
+    std::string variant;            // of KHR_materials_variants by name; empty: the file's default materials
+    std::string animation = "all";  // plays: "all", "none", or one by name
+    bool loop = false;              // each animation starts again at its end, else it stays there
+};
+
+/// A glTF file and the scene it shows at any time. Images are decoded and meshes that do not change shape
+/// are read once. Throws as loadGltf does (load.h).
+class GltfSource {
+public:
+    GltfSource(const std::filesystem::path& path, GltfOptions options);
+    ~GltfSource();
+
+    /// Whether the scene differs between times. A file that is not animated always shows the same.
+    bool animated() const;
+    /// Of the longest animation, from time 0 to its last key; 0 if none plays.
+    double seconds() const;
+    /// The scene at a time in seconds, good until the next call; a pure function of the time but for the
+    /// places of meshes in its list. Its environment and its warnings are kept from call to call.
+    Scene& at(double seconds);
+    /// The scene as at(0), for good.
+    Scene take();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tilefarm
