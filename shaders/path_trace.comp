@@ -37,7 +37,9 @@ bool occluded(LightSample l, uint primitive, uint key) {
     ray.origin = l.origin;
     ray.tMin = 0.0;
     ray.direction = l.infinite ? l.wi : l.target - l.origin;
-    ray.tMax = l.infinite ? INFINITY : 1.0;
+    // Not the light itself: traversal has its t to within γ(10), and a light in a plane through the origin has no error
+    // of its own that would move the target off it.
+    ray.tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
     ray.skipPrimitive = primitive;
     ray.key = key;
     rayCount++;
@@ -83,11 +85,12 @@ void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
     path.radiance += path.throughput * m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine));
 }
 
-// Ends dim paths at random and makes up for it in those that survive. False: the path ends.
+// Ends dim paths at random and makes up for it in those that survive, whose throughput is then 1: a survival less than
+// the throughput would let the weights of long paths grow without bound. False: the path ends.
 bool russianRoulette(inout PathState path, float u) {
-    float survival = min(maxComponent(path.throughput) * path.etaScale, 0.95);
+    float survival = maxComponent(path.throughput) * path.etaScale;
     if (u >= survival) return false;
-    path.throughput /= survival;
+    if (survival < 1.0) path.throughput /= survival;
     return true;
 }
 

@@ -147,8 +147,15 @@ Surface surfaceAt(Hit hit, Ray ray) {
     Surface s;
     vec3 corner[3];
     loadCorners(hit, corner);
-    vec3 b = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
-    precise vec3 position = b.x * corner[0] + b.y * corner[1] + b.z * corner[2];
+    // What rounding took from 1 − u − v (Knuth's TwoSum twice): times a far corner it would leave the plane by more
+    // than the bound below, which takes the three weights as exact.
+    precise float above = 1.0 - hit.barycentrics.x;
+    precise float lostAbove = (1.0 - above) - hit.barycentrics.x;
+    precise float weight = above - hit.barycentrics.y;
+    precise float taken = above - weight;
+    precise float lost = lostAbove + ((above - (weight + taken)) + (taken - hit.barycentrics.y));
+    vec3 b = vec3(weight, hit.barycentrics);
+    precise vec3 position = b.x * corner[0] + b.y * corner[1] + b.z * corner[2] + lost * corner[0];
     s.position = position;
     s.positionError = gammaBound(7.0) * (abs(b.x * corner[0]) + abs(b.y * corner[1]) + abs(b.z * corner[2]));
 

@@ -1,0 +1,255 @@
+// Cases 26, 31, 39, 40, 46, 48, 54: whole paths whose sum is known.
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numbers>
+
+#include "tests/numerics/picture.h"
+#include "tests/shader/device_fixture.h"
+
+namespace tilefarm {
+namespace {
+
+using std::numbers::pi;
+
+class HardPath : public DeviceTest {};
+
+Mesh turnedInwards(Mesh mesh) {
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+Material glass(float ior, float roughness = 0) {
+    Material m;
+    m.metallic = 0;
+    m.roughness = roughness;
+    m.ior = ior;
+    m.transmission = 1;
+    m.thickness = 1;
+    return m;
+}
+
+// ---- 39
+
+TEST_F(HardPath, HardCase39_InsideAUnitSphere) {
+    const auto mean = [&](int lights, float emission) {
+        Scene scene;
+        addMesh(scene, turnedInwards(sphereMesh(64)), matte(glm::vec3(0.5f), glm::vec3(emission)));
+        PunctualLight lamp;
+        lamp.color = glm::vec3(static_cast<float>(pi / lights));
+        if (emission == 0) scene.lights.assign(static_cast<size_t>(lights), lamp);
+        const Camera camera = cameraAt({0.2, 0.1, 0.3}, {0.3, 0.2, -1}, 1.0);
+        return meanOf(render(device, scene, camera, {.size = 16, .samples = 32, .maxBounces = 64}));
+    };
+    for (const auto& [lights, emission] : {std::pair(1, 0.0f), {4, 0.0f}, {1, 0.5f}}) {
+        const Mean m = mean(lights, emission);
+        EXPECT_NEAR(m.value, 1, 0.005) << lights << " lights, emission " << emission << ", sigma " << m.sigma;
+    }
+}
+
+// ---- 40
+
+TEST_F(HardPath, HardCase40_RussianRoulette) {
+    Scene box;
+    addMesh(box, cubeMesh(true), matte(glm::vec3(0.8f), glm::vec3(0.2f)));
+    const Camera inside = cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2);
+    for (uint32_t start = 1; start <= 8; start += 2)
+        expectMean(meanOf(render(device, box, inside,
+                                 {.size = 12, .samples = 64, .maxBounces = 300, .rouletteStart = start})),
+                   1, 1e-5);
+    expectMean(meanOf(render(device, box, inside,
+                             {.size = 12, .samples = 64, .maxBounces = 120, .rouletteStart = 1000})),
+               1, 1e-5);
+
+    // Glass: throughput rises by 1/η² on the way in, which must not steer the roulette.
+    Scene ball;
+    addMesh(ball, sphereMesh(32), glass(1.5f, 0.3f));
+    ball.environment = uniformEnvironment(glm::vec3(1));
+    Mean first;
+    for (const uint32_t start : {1u, 4u, 1000u}) {
+        const Mean m = meanOf(render(device, ball, cameraAt({0, 0, 4}, {0, 0, 0}, 0.3),
+                                     {.size = 16, .samples = 64, .maxBounces = 100, .rouletteStart = start}),
+                              0, hit);
+        if (start == 1)
+            first = m;
+        else
+            expectSameMean(m, first);
+    }
+}
+
+Mean furnace99(const gpu::Device& device, const Shot& shot) {
+    Scene box;
+    addMesh(box, cubeMesh(true), matte(glm::vec3(0.99f), glm::vec3(1)));
+    return meanOf(render(device, box, cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2), shot));
+}
+
+// 1 / (1 − ρ) = 100 to 1 %. A path's brightness is the number of its bounces, whose deviation is 100 with
+// roulette from the start and 7 with roulette from bounce 600 on.
+TEST_F(HardPath, HardCase40_FurnaceOfAlbedo99) {
+    const Mean late =
+        furnace99(device, {.size = 12, .samples = 16, .maxBounces = 3000, .rouletteStart = 600});
+    EXPECT_NEAR(late.value, 100, 1);
+    EXPECT_LT(late.sigma, 0.25);
+    // Survival is the throughput itself: with a cap below 1 (there was one of 0.95) the weights of long paths
+    // grow faster than the paths become rare, and their variance Σ (0.99² / 0.95)^k is infinite.
+    const Mean early = furnace99(device, {.size = 12, .samples = 16, .maxBounces = 3000});
+    expectMean(early, 100);
+    EXPECT_NEAR(early.sigma, 100 / std::sqrt(12 * 12 * 16), 0.2)
+        << "the deviation of a geometric distribution";
+}
+TEST_F(HardPath, FullHardCase40_FurnaceOfAlbedo99) {
+    const Mean m = furnace99(device, {.size = 64, .samples = 64, .maxBounces = 4000});
+    EXPECT_NEAR(m.value, 100, 1);
+    EXPECT_LT(m.sigma, 0.25);
+}
+
+// ---- 26
+
+TEST_F(HardPath, HardCase26_IndexOfRefractionNearOne) {
+    Scene open;
+    open.environment = uniformEnvironment(glm::vec3(0), 16, 8);
+    for (uint32_t y = 0; y < 8; ++y)
+        for (uint32_t x = 0; x < 16; ++x)
+            for (uint32_t c = 0; c < 3; ++c)
+                open.environment.image.rgbaFloat[4 * (y * 16 + x) + c] = static_cast<float>(
+                    0.5 + 0.05 * std::cos(2 * pi * x / 16 + c) * std::sin(pi * (y + 0.5) / 8));
+    open.materials.emplace_back();
+    const Camera camera = cameraAt({0, 0, 4}, {0, 0, 0}, 0.5);
+    const Shot shot{.size = 32, .samples = 8, .maxBounces = 8};
+    const Picture without = render(device, open, camera, shot);
+    for (const float ior : {1.0f, 1 + 1e-6f, 1 - 1e-6f, 1 + 1e-4f, 1 - 1e-4f}) {
+        Scene scene = open;
+        addMesh(scene, sphereMesh(48), glass(ior));
+        const Picture with = render(device, scene, camera, shot);
+        EXPECT_LE(furthestPixel(with, without), 1e-3) << "ior " << ior;
+        EXPECT_EQ(with.stats.droppedSamples, 0u);
+    }
+}
+
+// ---- 31
+
+TEST_F(HardPath, HardCase31_CameraInsideGlass) {
+    // From the middle of a ball every ray leaves at once, and radiance in glass is η² of that outside.
+    Scene scene;
+    addMesh(scene, sphereMesh(48), glass(1.5f));
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    const Mean m = meanOf(render(device, scene, cameraAt({0, 0, 0}, {0.2, 0.1, -1}, 1.0),
+                                 {.size = 16, .samples = 64, .maxBounces = 32}));
+    EXPECT_NEAR(m.value, 2.25, 0.0225) << "sigma " << m.sigma;
+}
+
+void expectVeils(const gpu::Device& device, int layers, uint32_t samples) {
+    Material veil = matte(glm::vec3(0.25f));
+    veil.unlit = true;
+    veil.alphaMode = AlphaMode::blend;
+    veil.alpha = static_cast<float>(1.0 / layers);
+    Scene scene;
+    Mesh stack;
+    for (int i = 0; i < layers; ++i) {
+        const Mesh quad = quadMesh({-5, -5, -0.01f * static_cast<float>(i)}, {10, 0, 0}, {0, 10, 0});
+        const auto first = static_cast<uint32_t>(stack.positions.size());
+        stack.positions.insert(stack.positions.end(), quad.positions.begin(), quad.positions.end());
+        for (const glm::uvec3& t : quad.triangles) stack.triangles.push_back(t + first);
+    }
+    addMesh(scene, stack, veil);
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    const double through = std::pow(1 - 1.0 / layers, layers), expected = through + 0.25 * (1 - through);
+    const Mean m = meanOf(render(device, scene, cameraAt({0, 0, 5}, {0, 0, 0}, 0.1),
+                                 {.size = 16, .samples = samples, .maxBounces = 2}));
+    EXPECT_NEAR(m.value, expected, 0.01 * expected) << layers << " layers, sigma " << m.sigma;
+    expectMean(m, expected);
+}
+
+TEST_F(HardPath, HardCase31_ThousandBlendedLayers) {
+    expectVeils(device, 1000, 128);
+}
+TEST_F(HardPath, FullHardCase31_ThousandBlendedLayers) {
+    for (const int layers : {1, 10, 100, 1000}) expectVeils(device, layers, 4096);
+}
+
+// ---- 46
+
+TEST_F(HardPath, HardCase46_AlphaAndTextures) {
+    Material veil = matte(glm::vec3(0));
+    veil.unlit = true;
+    Scene scene;
+    addMesh(scene, quadMesh({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), veil);
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    const Camera camera = cameraAt({0, 0, 5}, {0, 0, 0}, 0.1);
+    const auto value = [&](AlphaMode mode, float alpha, float cutoff) {
+        scene.materials[0].alphaMode = mode;
+        scene.materials[0].alpha = alpha;
+        scene.materials[0].alphaCutoff = cutoff;
+        return meanOf(render(device, scene, camera, {.size = 16, .samples = 4, .maxBounces = 1})).value;
+    };
+    EXPECT_EQ(value(AlphaMode::mask, 0.25f, 0.25f), 0) << "at the cutoff: visible";
+    EXPECT_EQ(value(AlphaMode::mask, std::nextafter(0.25f, 0.0f), 0.25f), 1);
+    EXPECT_EQ(value(AlphaMode::blend, 0, 0), 1) << "alpha 0 is never met";
+    EXPECT_EQ(value(AlphaMode::blend, 1, 0), 0) << "alpha 1 always";
+
+    // Decoded before it is filtered: halfway from red to green is half of each in linear light.
+    Scene wall;
+    Material picture;
+    picture.unlit = true;
+    picture.baseColorTexture.image = 0;
+    picture.baseColorTexture.srgb = true;
+    wall.images.push_back({"edge", 2, 1, {255, 0, 0, 255, 0, 255, 0, 255}, {}});
+    addMesh(wall, quadMesh({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), picture);
+    const auto colourAt = [&](double x) {
+        const Picture seen = render(device, wall, cameraAt({x, 0, 5}, {x, 0, 0}, 1e-5),
+                                    {.size = 8, .samples = 1, .maxBounces = 1});
+        return glm::dvec2(meanOf(seen, 0).value, meanOf(seen, 1).value);
+    };
+    const auto expectColour = [&](double x, double red, const char* what) {
+        const glm::dvec2 colour = colourAt(x);
+        EXPECT_NEAR(colour.x, red, 1e-3) << what;
+        EXPECT_NEAR(colour.y, 1 - red, 1e-3) << what;
+    };
+    expectColour(0, 0.5, "edge");
+    expectColour(-0.5, 1, "left texel");
+    wall.materials[0].baseColorTexture.transform = {1, 0, 0, 1, 0.5f, 0};
+    expectColour(-0.5, 0, "moved by half of the image");
+    wall.materials[0].baseColorTexture.transform = {-1, 0, 0, 1, 1, 0};
+    expectColour(-0.5, 0, "turned round");
+    wall.materials[0].baseColorTexture.transform = {1, 0, 0, 1, 0, 0};
+    wall.materials[0].baseColorTexture.uvSet = 1;
+    wall.meshes[0].uv1.assign(4, {0.75f, 0.5f});
+    expectColour(-0.5, 0, "second set of coordinates");
+}
+
+// ---- 54
+
+/// Two mirrors of reflectance R that glow with radiance 1 and face each other, and a camera between them.
+Scene mirrors(float reflectance) {
+    Material m;
+    m.baseColor = glm::vec3(reflectance);
+    m.roughness = 0;
+    m.emission = glm::vec3(1);
+    Scene scene;
+    addMesh(scene, quadMesh({-1000, -1000, -1}, {2000, 0, 0}, {0, 2000, 0}), m);
+    addMesh(scene, quadMesh({-1000, -1000, 1}, {0, 2000, 0}, {2000, 0, 0}), m);
+    return scene;
+}
+
+TEST_F(HardPath, HardCase54_MirrorFacingMirror) {
+    const float reflectance = 0.97f;
+    const Scene scene = mirrors(reflectance);
+    const Camera between = cameraAt({0, 0, 0}, {0, 0, -1}, 1e-4);
+    const auto brightness = [&](uint32_t depth, uint32_t roulette) {
+        const Picture picture =
+            render(device, scene, between,
+                   {.size = 8, .samples = 4, .maxBounces = depth, .rouletteStart = roulette});
+        EXPECT_EQ(blackPixels(picture), 0u);
+        EXPECT_EQ(picture.stats.droppedSamples, 0u);
+        return meanOf(picture);
+    };
+    for (const uint32_t depth : {4u, 10u, 25u, 100u}) {
+        const double bounce = brightness(depth, 10000).value - brightness(depth - 1, 10000).value;
+        EXPECT_NEAR(bounce, std::pow(double{reflectance}, depth), 1e-4) << "bounce " << depth;
+    }
+    // Roulette instead of a limit: nothing black, the same sum.
+    expectMean(brightness(5000, 4), 1 / (1 - double{reflectance}), 1e-3);
+    EXPECT_GT(brightness(5000, 1).value, 1);
+}
+
+}  // namespace
+}  // namespace tilefarm

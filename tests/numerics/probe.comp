@@ -1,0 +1,84 @@
+#version 460
+// Runs parts of the path tracer by themselves, for cases that a picture would not show.
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+#include "rng.glsl"
+#include "sampling.glsl"
+#include "../tests/numerics/probe.h"
+
+layout(local_size_x = 64) in;
+layout(push_constant) uniform Block { uint mode, count; };
+layout(std430, binding = BINDING_TILES) readonly buffer Queries { vec4 queries[]; };
+layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
+#define answers film
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
+
+bool acceptHit(uint primitive, vec2 barycentrics, uint key);
+#include "intersect.glsl"
+#include "texture.glsl"
+#include "surface.glsl"
+#include "material.glsl"
+#include "lights/environment.glsl"
+#include "film.glsl"
+
+void unitFloats(uint i) {
+    float u = unitFloat(i << 8u | 255u);
+    if (!(u >= 0.0 && u < 1.0)) atomicAdd(counters[0], 1u);
+    atomicMax(counters[1], floatBitsToUint(u));
+}
+
+void frames(uint i) {
+    mat3 frame = frameAround(queries[i].xyz);
+    for (int column = 0; column < 3; column++) answers[3u * i + column] = vec4(frame[column], 0);
+}
+
+void spawnedRays(uint i) {
+    vec4 at = queries[2u * i];
+    vec3 direction = queries[2u * i + 1u].xyz;
+    Hit from = Hit(0.0, floatBitsToUint(at.y), at.zw, floatBitsToUint(at.x));
+    Ray ray = Ray(vec3(0), 0.0, -direction, INFINITY, kNoPrimitive, 0u);
+    Surface s = surfaceAt(from, ray);
+    ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
+    ray.direction = direction;
+    Hit hit;
+    float self = closestHit(ray, hit) && hit.primitive == from.primitive ? 1.0 : 0.0;
+    ray.skipPrimitive = from.primitive;
+    float skipped = closestHit(ray, hit) && hit.primitive == from.primitive ? 1.0 : 0.0;
+    answers[3u * i] = vec4(s.position, self);
+    answers[3u * i + 1u] = vec4(s.positionError, skipped);
+    answers[3u * i + 2u] = vec4(ray.origin, 0);
+}
+
+void passFilms(uint i) {
+    FilmPixel pixel = emptyPixel();
+    uint every = uint(queries[0].x);
+    for (uint k = 0u; k < PROBE_PASS_SAMPLES; k++) {
+        uint sample_ = i * PROBE_PASS_SAMPLES + k;
+        float value = sample_ % every == 0u ? PROBE_SPIKE : 0.1;
+        addSample(pixel, PathSample(vec3(value), vec3(0), vec3(0), 0.0, 0.0));
+    }
+    answers[2u * i] = pixel.mean;
+    answers[2u * i + 1u] = pixel.m2;
+}
+
+void environmentSamples(uint i) {
+    SampleKey key = SampleKey(17u, i, 4711u);
+    vec3 radiance;
+    float pdf;
+    vec3 wi = environmentSample(randomBits(key, DIMENSION_ENVIRONMENT), radiance, pdf);
+    answers[2u * i] = vec4(wi, pdf);
+    answers[2u * i + 1u] = vec4(radiance, environmentAlong(wi).a);
+}
+
+void main() {
+    uint i = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
+    if (i >= count) return;
+    switch (mode) {
+        case PROBE_UNIT_FLOATS: unitFloats(i); break;
+        case PROBE_FRAMES: frames(i); break;
+        case PROBE_SPAWNED_RAYS: spawnedRays(i); break;
+        case PROBE_PASS_FILMS: passFilms(i); break;
+        case PROBE_ENVIRONMENT: environmentSamples(i); break;
+    }
+}
