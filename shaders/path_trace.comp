@@ -45,7 +45,10 @@ bool occluded(LightSample l, uint primitive, uint key) {
 }
 
 // The side on which a surface sees lights, for lightPmf; zero for both.
-vec3 lightSide(Surface s, Bsdf bsdf) { return transmits(bsdf) ? vec3(0) : s.geometricNormal; }
+vec3 lightSide(Surface s, Bsdf bsdf) {
+    bool through = transmits(bsdf) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
+    return through ? vec3(0) : s.geometricNormal;
+}
 
 // What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
 vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
