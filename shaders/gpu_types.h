@@ -104,6 +104,8 @@ GPU_CONSTANT PRIMITIVE_TEXELS = 1;  // corner vertices i0, i1, i2, material
 GPU_CONSTANT MATERIAL_TEXELS = 18;
 GPU_CONSTANT TEXTURE_TEXELS = 3;
 GPU_CONSTANT LIGHT_TEXELS = 4;
+GPU_CONSTANT LIGHT_TREE_NODE_TEXELS = 6;  // LightTreeChild of the first child, then of the second
+GPU_CONSTANT LIGHT_TREE_CHILD_TEXELS = 3;
 GPU_CONSTANT ALBEDO_TABLE_SIZE = 32;  // per side; a table has one more row, the averages
 
 GPU_CONSTANT MATERIAL_DOUBLE_SIDED = 1u << 0;
@@ -147,6 +149,14 @@ GPU_CONSTANT LIGHT_QUAD = 5;
 GPU_CONSTANT LIGHT_SPHERE = 6;
 GPU_CONSTANT LIGHT_SUN = 7;
 
+// References of the light tree: the first texel of an inner node, or this with the index of a light.
+GPU_CONSTANT LIGHT_TREE_LEAF = 0x80000000u;
+GPU_CONSTANT LIGHT_TREE_DEPTH = 32;            // inner nodes above any light, at most: bits of a trail
+GPU_CONSTANT LIGHT_TREE_TWO_SIDED = 1u << 0;   // flags of a child
+GPU_CONSTANT LIGHT_TREE_INFINITE = 1u << 1;    // lights of no place: environment, directional, sun
+GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets less than LIGHT_TREE_LEAST
+#define LIGHT_TREE_LEAST 0.2
+
 // Words of the counter buffer, zeroed before every dispatch.
 GPU_CONSTANT COUNTER_RAYS = 0;
 GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 1;
@@ -160,8 +170,8 @@ struct FrameParameters {
     vec4 cameraUp;        // half height, likewise
     uvec4 image;          // width, height, seed, frame
     uvec4 path;           // max bounces, roulette start, light count, environment light or NO_INDEX
-    uvec4 environment;    // width, height, 0, 0
-    vec4 environmentPdf;  // x: 1 / sum of texel weights, y: w·h / (2π²)
+    uvec4 environment;    // width, height, first LIGHT_SUN, number of LIGHT_SUN
+    vec4 environmentPdf;  // x: 1 / sum of texel weights, y: w·h / (2π²), z: rotation in turns, w: 1 if hidden
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles.
@@ -209,6 +219,9 @@ static_assert(sizeof(TextureRecord) == 16 * TEXTURE_TEXELS);
 
 // LIGHT_TRIANGLE: corner p, edges a and b, radiance. Punctual: position p, direction a, intensity
 // (W/sr; W/m² for directional), b = (cos inner, cos outer, range). LIGHT_ENVIRONMENT: the rest unused.
+// LIGHT_QUAD: corner p, edges a ⟂ b, radiance; emits towards a × b, `primitive` is 1 if both ways.
+// LIGHT_SPHERE: centre p, a.x radius, radiance. LIGHT_SUN: direction a, b.x = 1 − cos θmax, radiance.
+// `pmf` is the probability of being chosen where no tree chooses; 1 with FEATURE_ALL_LIGHTS.
 struct LightRecord {
     uint type; uint primitive; float pmf; float area;
     vec3 p; float red;
@@ -231,9 +244,22 @@ struct ShapeRecord {
 static_assert(sizeof(ShapeRecord) == 16 * SHAPE_TEXELS);
 
 // Walker's alias method: keep the index when 32 random bits are below `threshold`, else take `alias`.
+// The table of lights also has each light's way down the light tree: bit k is set where it takes the second
+// child of the k-th node.
 struct AliasRecord {
-    uint threshold, alias; float pmf; uint unused;
+    uint threshold, alias; float pmf; uint trail;
 };
+
+// A subtree of lights: a sphere around them, a cone of half angle θo around `axis` with all their normals, the
+// angle θe beyond their normals into which they still emit, and the sum of their greatest intensities
+// (luminance, W/sr, in units of the largest of the scene). LIGHT_TREE_INFINITE: the cone holds the directions
+// towards the lights and `intensity` is irradiance.
+struct LightTreeChild {
+    vec3 centre; float radius;
+    vec3 axis; float intensity;
+    float cosThetaO, cosThetaE; uint flags, reference;
+};
+static_assert(sizeof(LightTreeChild) == 16 * LIGHT_TREE_CHILD_TEXELS);
 
 /// The mask of one FEATURE_*.
 constexpr uint64_t bit(uint32_t feature) {

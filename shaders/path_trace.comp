@@ -1,7 +1,7 @@
 #version 460
 // The path tracer: one invocation per pixel, several samples per dispatch. Paths start at the camera;
-// at each surface one light is sampled (next event estimation) and the BSDF is sampled, both weighted
-// by the power heuristic. Without bias but for the bounce limit that the job sets.
+// at each surface lights are sampled (next event estimation) and the BSDF is sampled, both weighted
+// by the power heuristic unless the settings leave one of them out. Without bias but for the bounce limit that the job sets.
 #extension GL_GOOGLE_include_directive : require
 
 #include "scene.glsl"
@@ -46,18 +46,39 @@ bool occluded(LightSample l, uint primitive, uint key) {
     return anyHit(ray);
 }
 
-// Light that arrives straight from a sampled light, weighted against the BSDF's finding it.
-vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
-    LightSample l;
-    if (!sampleLight(key, bounce, s, l)) return vec3(0);
+// The side on which a surface sees lights, for lightPmf; zero for both.
+vec3 lightSide(Surface s, Bsdf bsdf) {
+    bool through = transmits(bsdf) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
+    return through ? vec3(0) : s.geometricNormal;
+}
+
+// What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
+vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
     if (dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
+    if (has(FEATURE_BSDF_SAMPLING_ONLY) && l.pdf > 0.0) return vec3(0);
     float pdf;
     vec3 f = bsdfEval(bsdf, wo, wi, pdf);
     if (!(maxComponent(f) > 0.0)) return vec3(0);
-    vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (powerHeuristic(l.pdf, pdf) / l.pdf) : f * l.radiance;
+    float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
+    vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
     return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
+}
+
+// Light that arrives straight from the lights.
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
+    // Of the kinds of lights only those without extent are left to this.
+    if (has(FEATURE_BSDF_SAMPLING_ONLY) && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
+    LightSample l;
+    if (has(FEATURE_ALL_LIGHTS)) {
+        vec3 sum = vec3(0);
+        for (uint light = 0u; light < parameters.path.z; light++)
+            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo);
+        return sum;
+    }
+    if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
+    return lightThrough(l, key, bounce, s, bsdf, wo);
 }
 
 struct PathState {
@@ -68,20 +89,45 @@ struct PathState {
     float pdf;          // of the ray's direction; what lights weigh against
     float etaScale;     // squared refraction compressions so far, kept out of Russian roulette
     bool delta;         // no light sampling could have found this direction
+    vec3 from;          // where the path scattered last, and lightSide there: what light sampling went by
+    vec3 side;
 };
 
-void addEnvironment(inout PathState path) {
+// Weight of light that the path met by itself, which light sampling finds with lightPdf.
+float emissionWeight(PathState path, float lightPdf) {
+    if (path.delta || has(FEATURE_BSDF_SAMPLING_ONLY)) return 1.0;
+    if (has(FEATURE_LIGHT_SAMPLING_ONLY)) return lightPdf > 0.0 ? 0.0 : 1.0;
+    return powerHeuristic(path.pdf, lightPdf);
+}
+
+void addSuns(inout PathState path) {
+    if (!has(FEATURE_SUN_LIGHTS)) return;
+    for (uint i = 0u; i < parameters.environment.w; i++) {
+        uint light = parameters.environment.z + i;
+        vec3 towards = -lightTexel(light, 2u).xyz;
+        float h = lightTexel(light, 3u).x;
+        if (!sunCovers(towards, h, path.ray.direction)) continue;
+        float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), path.from, path.side);
+        vec3 radiance = vec3(lightTexel(light, 1u).w, lightTexel(light, 2u).w, lightTexel(light, 3u).w);
+        path.radiance += path.throughput * radiance * emissionWeight(path, pmf * sunPdf(h));
+    }
+}
+
+// What a ray that leaves the scene meets.
+void addEnvironment(inout PathState path, uint bounce) {
+    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && bounce == 0u) return;
+    addSuns(path);
     if (!has(FEATURE_ENVIRONMENT)) return;
     vec4 environment = environmentAlong(path.ray.direction);
-    float weight = path.delta ? 1.0 : powerHeuristic(path.pdf, environment.a * environmentPmf());
+    float weight = path.delta ? 1.0 : emissionWeight(path, environment.a * environmentPmf(path.from, path.side));
     path.radiance += path.throughput * environment.rgb * weight;
 }
 
 void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
-    if (!has(FEATURE_EMISSIVE_TRIANGLES) || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
+    if (!hasEmitters() || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
     if (!emitsTowards(m.flags, s.frontFace)) return;
     float cosine = abs(dot(s.geometricNormal, path.ray.direction));
-    float weight = path.delta ? 1.0 : powerHeuristic(path.pdf, trianglePdf(s.primitive, t * t, cosine));
+    float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine));
     path.radiance += path.throughput * m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine));
 }
 
@@ -103,6 +149,8 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
+    path.from = s.position;
+    path.side = lightSide(s, bsdf);
     if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.thin) {
         if (transmits(bsdf)) path.etaScale *= bsdf.eta * bsdf.eta;
         if (has(FEATURE_ATTENUATION)) path.absorption = s.frontFace ? m.absorption : vec3(0);
@@ -123,13 +171,14 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
     path.pdf = 0.0;
     path.etaScale = 1.0;
     path.delta = true;
+    path.from = path.side = vec3(0);
 
     for (uint bounce = 0u;; bounce++) {
         Hit hit;
         path.ray.key = cutoutKey(key, bounce);
         rayCount++;
         if (!closestHit(path.ray, hit)) {
-            addEnvironment(path);
+            addEnvironment(path, bounce);
             break;
         }
         if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);

@@ -27,8 +27,16 @@ vec4 environmentAt(vec2 uv) {
     return value;
 }
 
+// Counter-clockwise seen from above, which is towards smaller u: u of the map for u of the world.
+bool environmentTurned() { return has(FEATURE_ENVIRONMENT_ROTATION) && parameters.environmentPdf.z != 0.0; }
+float turned(float u, float turns) {
+    u += turns;
+    return u - floor(u);
+}
+
 vec4 environmentAlong(vec3 direction) {
     float u = 0.5 + atan(direction.z, direction.x) * (0.5 * INV_PI);
+    if (environmentTurned()) u = turned(u, parameters.environmentPdf.z);
     // acos loses half the digits near the poles; atan2 of the two legs does not.
     float v = atan(length(direction.xz), direction.y) * INV_PI;
     return environmentAt(vec2(u, v));
@@ -50,6 +58,7 @@ vec3 environmentSample(uvec4 bits, out vec3 radiance, out float pdf) {
     vec4 value = environmentAt(uv);
     radiance = value.rgb;
     pdf = value.a;
+    if (environmentTurned()) uv.x = turned(uv.x, -parameters.environmentPdf.z);
     float phi = (uv.x - 0.5) * TWO_PI, theta = uv.y * PI;
     return vec3(sin(theta) * cos(phi), cos(theta), sin(theta) * sin(phi));
 }

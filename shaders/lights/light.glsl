@@ -1,22 +1,30 @@
-// One light per surface point, chosen by power through an alias table, and the pdfs that multiple
-// importance sampling needs when a path meets a light by itself.
+// Sampling a light at a surface point: which one (by power, all alike, each, or by the light tree) and where on it;
+// and the pdfs that multiple importance sampling needs when a path meets a light by itself.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
 #include "environment.glsl"
-#include "triangle.glsl"
+#include "light_tree.glsl"
 #include "punctual.glsl"
+#include "quad.glsl"
+#include "sun.glsl"
+#include "triangle.glsl"
 
 struct LightSample {
     vec3 target;     // end of the shadow ray from `origin`; infinitely far lights: a direction
     vec3 origin;
     bool infinite;
     vec3 wi;         // unit, from the surface
-    vec3 radiance;   // over the selection probability
+    vec3 radiance;   // over the selection probability where `pdf` is 0
     float pdf;       // solid angle times selection, 1/sr; 0 for lights that no ray can meet
 };
 
-bool hasLights() { return has(FEATURE_EMISSIVE_TRIANGLES) || has(FEATURE_PUNCTUAL_LIGHTS) || has(FEATURE_ENVIRONMENT); }
+// Surfaces that emit and are lights of their own.
+bool hasEmitters() { return has(FEATURE_EMISSIVE_TRIANGLES) || has(FEATURE_QUAD_LIGHTS); }
+
+bool hasLights() {
+    return hasEmitters() || has(FEATURE_PUNCTUAL_LIGHTS) || has(FEATURE_SUN_LIGHTS) || has(FEATURE_ENVIRONMENT);
+}
 
 vec4 lightTexel(uint light, uint texel) { return uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS + texel)); }
 
@@ -26,7 +34,10 @@ uint chooseLight(uvec4 bits) {
     return bits.y < entry.x ? light : entry.y;
 }
 
-bool sampleTriangleLight(uint light, uvec4 head, uvec4 bits, Surface s, inout LightSample l) {
+// Probability of choosing a light at a point p whose surface sees lights on the side of n (zero: on both).
+float lightPmf(uint light, float pmf, vec3 p, vec3 n) { return has(FEATURE_LIGHT_TREE) ? lightTreePmf(light, p, n) : pmf; }
+
+bool sampleTriangleLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface s, inout LightSample l) {
     vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
     vec2 u = uniformTriangle(unitFloat(bits.zw));
     vec3 position = p.xyz + u.x * a.xyz + u.y * b.xyz;
@@ -55,16 +66,47 @@ bool sampleTriangleLight(uint light, uvec4 head, uvec4 bits, Surface s, inout Li
         loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
         l.radiance *= emissionThroughCoat(v.material, uv0, uv1, abs(cosine));
     }
-    l.pdf = uintBitsToFloat(head.z) * areaToSolidAngle(uintBitsToFloat(head.w), distanceSquared, abs(cosine));
+    l.pdf = pmf * areaToSolidAngle(uintBitsToFloat(head.w), distanceSquared, abs(cosine));
     l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
     l.target = offsetOrigin(position, error, normal, -l.wi);
     l.infinite = false;
     return l.pdf > 0.0;
 }
 
-bool samplePunctualLight(uint light, uvec4 head, Surface s, inout LightSample l) {
+bool sampleQuadLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface s, inout LightSample l) {
     vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
-    l.radiance = vec3(p.w, a.w, b.w) / uintBitsToFloat(head.z);
+    SphericalRectangle r = sphericalRectangle(p.xyz, a.xyz, b.xyz, s.position);
+    if (!(r.solidAngle > 0.0) || !(r.front || head.y != 0u)) return false;
+    vec2 at = quadSample(r, unitFloat(bits.zw));
+    vec3 inPlane = vec3(at, r.h);
+    float distance = length(inPlane);
+    inPlane /= distance;
+    l.wi = inPlane.x * r.x + inPlane.y * r.y + inPlane.z * r.z;
+    vec2 u = (at - vec2(r.x0, r.y0)) / vec2(r.x1 - r.x0, r.y1 - r.y0);
+    vec3 position = p.xyz + u.x * a.xyz + u.y * b.xyz;
+    vec3 error = gammaBound(7.0) * (abs(p.xyz) + abs(u.x * a.xyz) + abs(u.y * b.xyz));
+    l.radiance = vec3(p.w, a.w, b.w);
+    l.pdf = pmf * quadPdf(r, distance);
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    l.target = offsetOrigin(position, error, r.z, -l.wi);
+    l.infinite = false;
+    return l.pdf > 0.0;
+}
+
+bool sampleSunLight(uint light, float pmf, uvec4 bits, Surface s, inout LightSample l) {
+    vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
+    l.wi = sunSample(-a.xyz, b.x, unitFloat(bits.zw));
+    l.radiance = vec3(p.w, a.w, b.w);
+    l.pdf = pmf * sunPdf(b.x);
+    l.infinite = true;
+    l.target = l.wi;
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    return true;
+}
+
+bool samplePunctualLight(uint light, uvec4 head, float pmf, Surface s, inout LightSample l) {
+    vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
+    l.radiance = vec3(p.w, a.w, b.w) / pmf;
     l.pdf = 0.0;
     l.infinite = head.x == LIGHT_DIRECTIONAL;
     if (l.infinite) {
@@ -83,35 +125,67 @@ bool samplePunctualLight(uint light, uvec4 head, Surface s, inout LightSample l)
     return maxComponent(l.radiance) > 0.0;
 }
 
-// False where nothing can arrive. `radiance` is to be divided by `pdf` where that is not 0.
-bool sampleLight(SampleKey key, uint bounce, Surface s, out LightSample l) {
-    uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_LIGHT));
-    uint light = chooseLight(bits);
-    uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
-    if (has(FEATURE_ENVIRONMENT) && head.x == LIGHT_ENVIRONMENT) {
-        uvec4 more = randomBits(key, bounceDimension(bounce, DIMENSION_ENVIRONMENT));
-        l.wi = environmentSample(more, l.radiance, l.pdf);
-        l.pdf *= uintBitsToFloat(head.z);
-        l.infinite = true;
-        l.target = l.wi;
-        l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
-        return l.pdf > 0.0;
-    }
-    if (has(FEATURE_EMISSIVE_TRIANGLES) && head.x == LIGHT_TRIANGLE) return sampleTriangleLight(light, head, bits, s, l);
-    if (has(FEATURE_PUNCTUAL_LIGHTS)) return samplePunctualLight(light, head, s, l);
+bool sampleEnvironmentLight(SampleKey key, uint bounce, float pmf, Surface s, inout LightSample l) {
+    uvec4 more = randomBits(key, bounceDimension(bounce, DIMENSION_ENVIRONMENT));
+    l.wi = environmentSample(more, l.radiance, l.pdf);
+    l.pdf *= pmf;
+    l.infinite = true;
+    l.target = l.wi;
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    return l.pdf > 0.0;
+}
+
+// A point on one light. False where nothing can arrive. `radiance` is to be divided by `pdf` where that is not 0.
+bool sampleOnLight(uint light, uvec4 head, float pmf, uvec4 bits, SampleKey key, uint bounce, Surface s,
+                   out LightSample l) {
+    if (has(FEATURE_ENVIRONMENT) && head.x == LIGHT_ENVIRONMENT) return sampleEnvironmentLight(key, bounce, pmf, s, l);
+    if (has(FEATURE_EMISSIVE_TRIANGLES) && head.x == LIGHT_TRIANGLE)
+        return sampleTriangleLight(light, head, pmf, bits, s, l);
+    if (has(FEATURE_QUAD_LIGHTS) && head.x == LIGHT_QUAD) return sampleQuadLight(light, head, pmf, bits, s, l);
+    if (has(FEATURE_SUN_LIGHTS) && head.x == LIGHT_SUN) return sampleSunLight(light, pmf, bits, s, l);
+    if (has(FEATURE_PUNCTUAL_LIGHTS)) return samplePunctualLight(light, head, pmf, s, l);
     return false;
 }
 
-// Pdf with which sampleLight would have found the point of an emissive triangle that a ray met.
-float trianglePdf(uint primitive, float distanceSquared, float cosine) {
-    uint light = LOAD(primitiveLightTexels, primitive >> 2u)[primitive & 3u];
-    if (light == NO_INDEX) return 0.0;
-    vec2 pmfArea = uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).zw);
-    return pmfArea.x * areaToSolidAngle(pmfArea.y, distanceSquared, cosine);
+// One light, chosen. `n`: the side that the surface sees lights on, see lightPmf.
+bool sampleLight(SampleKey key, uint bounce, Surface s, vec3 n, out LightSample l) {
+    uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_LIGHT));
+    uint light;
+    float pmf;
+    if (has(FEATURE_LIGHT_TREE)) {
+        if (!lightTreeSample(bits.xy, s.position, n, light, pmf)) return false;
+    } else {
+        light = chooseLight(bits);
+    }
+    uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
+    if (!has(FEATURE_LIGHT_TREE)) pmf = uintBitsToFloat(head.z);
+    return sampleOnLight(light, head, pmf, bits, key, bounce, s, l);
 }
 
-float environmentPmf() {
-    return uintBitsToFloat(LOAD(lightTexels, parameters.path.w * LIGHT_TEXELS).z);
+// A given light, with random numbers of its own.
+bool sampleEachLight(uint light, SampleKey key, uint bounce, Surface s, out LightSample l) {
+    key.stream = pcg4d(uvec4(key.stream, light, 0x6561u, 0x6368u)).x;
+    uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_LIGHT));
+    return sampleOnLight(light, LOAD(lightTexels, light * LIGHT_TEXELS), 1.0, bits, key, bounce, s, l);
+}
+
+// Pdf with which light sampling at `from` (see lightPmf for n) would have found the point of an emissive surface that
+// a ray met at the distance t.
+float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine) {
+    uint light = LOAD(primitiveLightTexels, primitive >> 2u)[primitive & 3u];
+    if (light == NO_INDEX) return 0.0;
+    uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
+    float pmf = lightPmf(light, uintBitsToFloat(head.z), from, n);
+    if (has(FEATURE_QUAD_LIGHTS) && head.x == LIGHT_QUAD) {
+        vec3 p = lightTexel(light, 1u).xyz, a = lightTexel(light, 2u).xyz, b = lightTexel(light, 3u).xyz;
+        return pmf * quadPdf(sphericalRectangle(p, a, b, from), t);
+    }
+    return pmf * areaToSolidAngle(uintBitsToFloat(head.w), t * t, cosine);
+}
+
+float environmentPmf(vec3 from, vec3 n) {
+    uint light = parameters.path.w;
+    return lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), from, n);
 }
 
 #endif

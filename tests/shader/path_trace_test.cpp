@@ -5,10 +5,10 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
-#include <numeric>
 
 #include "shared/error/error.h"
 #include "tests/shader/device_fixture.h"
+#include "tests/shader/render_frame.h"
 #include "tests/support/test_scenes.h"
 #include "worker/render/renderer.h"
 
@@ -16,74 +16,6 @@ namespace tilefarm {
 namespace {
 
 using std::numbers::pi;
-
-ImageSpec square(uint32_t size, uint32_t tile = 128) {
-    ImageSpec image;
-    image.width = image.height = size;
-    image.tileSize = tile;
-    return image;
-}
-
-RenderSettings bounces(uint32_t count, uint32_t seed = 1) {
-    RenderSettings settings;
-    settings.maxBounces = count;
-    settings.seed = seed;
-    return settings;
-}
-
-std::vector<uint32_t> allTiles(const ImageSpec& image) {
-    std::vector<uint32_t> tiles(TileGrid(image).count());
-    std::iota(tiles.begin(), tiles.end(), 0u);
-    return tiles;
-}
-
-/// The whole frame through the pass schedule, row by row.
-std::vector<FilmPixel> renderFrame(const gpu::Device& device, const Scene& scene, const Camera& camera,
-                                   const ImageSpec& image, const RenderSettings& settings, uint32_t samples) {
-    Renderer renderer(device, scene, camera, image, settings);
-    const TileGrid grid(image);
-    std::vector<FilmTile> tiles;
-    for (uint32_t i = 0; i < grid.count(); ++i) tiles.emplace_back(grid.rect(i));
-    for (const SampleRange& range : passSchedule(samples))
-        for (const PassFilm& film : renderer.render(0, allTiles(image), range)) tiles[film.tile].merge(film);
-    std::vector<FilmPixel> frame(size_t{image.width} * image.height);
-    for (const FilmTile& tile : tiles)
-        for (uint32_t y = 0; y < tile.rect.height; ++y)
-            for (uint32_t x = 0; x < tile.rect.width; ++x)
-                frame[size_t{tile.rect.y + y} * image.width + tile.rect.x + x] =
-                    tile.pixels[size_t{y} * tile.rect.width + x];
-    return frame;
-}
-
-struct Mean {
-    double value = 0, sigma = 0;
-};
-
-/// Mean of a channel over pixels of a region, with the standard deviation of that mean.
-template <typename Choose>
-Mean meanOf(const std::vector<FilmPixel>& frame, int channel, Choose choose) {
-    double sum = 0, variance = 0;
-    int n = 0;
-    for (size_t i = 0; i < frame.size(); ++i) {
-        if (!choose(frame[i])) continue;
-        sum += frame[i].mean[static_cast<size_t>(channel)];
-        variance += frame[i].varianceOfMean(channel);
-        ++n;
-    }
-    return {sum / n, std::sqrt(variance) / n};
-}
-
-Mean meanOf(const std::vector<FilmPixel>& frame, int channel = 0) {
-    return meanOf(frame, channel, [](const FilmPixel&) { return true; });
-}
-
-bool hit(const FilmPixel& pixel) {
-    return pixel.alpha == 1;
-}
-
-void expectMean(const Mean& mean, double expected, double slack = 1e-5) {
-    EXPECT_NEAR(mean.value, expected, 4 * mean.sigma + slack) << "sigma " << mean.sigma;
-}
 
 class PathTraceTest : public DeviceTest {};
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 
 #include "worker/render/environment_packer.h"
 #include "worker/render/light_packer.h"
@@ -42,18 +44,27 @@ uint64_t geometryFeatures(const WorldGeometry& world) {
 std::vector<uint8_t> nonOpaquePrimitives(const Scene& scene, const WorldGeometry& world) {
     std::vector<uint8_t> result;
     for (const WorldInstance& instance : world.instances) {
-        if (scene.materials[instance.material].alphaMode == AlphaMode::opaque) continue;
+        if (world.materialOf(scene, instance.material).alphaMode == AlphaMode::opaque) continue;
         result.resize(world.primitiveCount());
         std::fill_n(result.begin() + instance.firstTriangle, instance.triangleCount, uint8_t{1});
     }
     for (size_t i = 0; i < world.shapes.size(); ++i) {
-        const uint32_t material = world.shapes[i].shape.material;
-        if (material >= scene.materials.size() || scene.materials[material].alphaMode == AlphaMode::opaque)
-            continue;
+        if (world.materialOf(scene, world.shapes[i].shape.material).alphaMode == AlphaMode::opaque) continue;
         result.resize(world.primitiveCount());
         result[world.triangleCount() + i] = 1;
     }
     return result;
+}
+
+// Effects that the settings ask for by themselves, and the environment's.
+uint64_t lightingFeatures(const RenderSettings& settings, const Environment& environment) {
+    uint64_t features = 0;
+    if (settings.directLight == DirectLight::lights) features |= gpu::bit(gpu::FEATURE_LIGHT_SAMPLING_ONLY);
+    if (settings.directLight == DirectLight::bsdf) features |= gpu::bit(gpu::FEATURE_BSDF_SAMPLING_ONLY);
+    if (environment.image.width != 0 && environment.rotation != 0)
+        features |= gpu::bit(gpu::FEATURE_ENVIRONMENT_ROTATION);
+    if (!environment.visible) features |= gpu::bit(gpu::FEATURE_HIDDEN_ENVIRONMENT);
+    return features;
 }
 
 class Uploader {
@@ -74,7 +85,7 @@ private:
 }  // namespace
 
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      uint64_t extraFeatures, PrepareTimes& times) {
+                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times) {
     const auto start = std::chrono::steady_clock::now();
     const Bvh bvh = buildBvh(world.corners(), nonOpaquePrimitives(scene, world), shapeBoxes(world.shapes));
     times.bvhSeconds = secondsSince(start);
@@ -86,11 +97,11 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     for (size_t i = 0; i < world.lightMaterials.size(); ++i)
         materials.add(world.lightMaterials[i], used[scene.materials.size() + i]);
     const PackedEnvironment environment = packEnvironment(scene.environment);
-    PackedLights lights = packLights(scene, world, environment.flux());
+    PackedLights lights = packLights(scene, world, environment.flux(), settings.lightSelection);
 
     GpuScene result;
-    result.features =
-        materials.features | textures.features | lights.features | geometryFeatures(world) | extraFeatures;
+    result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |
+                      lightingFeatures(settings, scene.environment) | extraFeatures;
     result.vertexTexels = vertexTexelsFor(result.features);
     result.triangles = world.triangleCount();
     result.stackSize = bvhStackConstant(bvh);
@@ -99,6 +110,11 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.environmentWidth = environment.width;
     result.environmentHeight = environment.height;
     result.environmentWeightSum = environment.weightSum;
+    const double turns = scene.environment.rotation / (2 * std::numbers::pi);
+    result.environmentTurns = turns - std::floor(turns);
+    result.environmentHidden = !scene.environment.visible;
+    result.firstSun = lights.firstSun;
+    result.sunCount = lights.sunCount;
 
     const auto upload = std::chrono::steady_clock::now();
     Uploader to(device, result.buffers);
@@ -116,10 +132,23 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     to.add(TexelFormat::rgba32f, environment.texels, "environment");
     to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table");
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
-    to.add(TexelFormat::rgba32ui, std::vector<gpu::uvec4>{}, "light tree");
+    to.add(TexelFormat::rgba32ui, lights.tree, "light tree");
     to.add(TexelFormat::rgba32ui, packShapes(world.shapes), "shapes");
     times.uploadSeconds = secondsSince(upload);
     return result;
+}
+
+void setLights(gpu::FrameParameters& p, const GpuScene& scene) {
+    p.path.z = scene.lightCount;
+    p.path.w = scene.environmentLight;
+    p.environment = {scene.environmentWidth, scene.environmentHeight, scene.firstSun, scene.sunCount};
+    p.environmentPdf.w = scene.environmentHidden ? 1.f : 0.f;
+    if (scene.environmentWeightSum > 0) {
+        const double texels = double(scene.environmentWidth) * scene.environmentHeight;
+        p.environmentPdf.x = static_cast<float>(1 / scene.environmentWeightSum);
+        p.environmentPdf.y = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
+        p.environmentPdf.z = static_cast<float>(scene.environmentTurns);
+    }
 }
 
 }  // namespace tilefarm

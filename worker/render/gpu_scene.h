@@ -20,11 +20,17 @@ struct GpuScene {
     uint32_t environmentLight = gpu::NO_INDEX;
     uint32_t environmentWidth = 0, environmentHeight = 0;
     double environmentWeightSum = 0;
+    double environmentTurns = 0;  // rotation, of a full turn
+    bool environmentHidden = false;
+    uint32_t firstSun = 0, sunCount = 0;
     uint64_t triangles = 0;
 };
 
 /// Packs and uploads everything but the camera. `extraFeatures`: effects that camera and settings call for.
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      uint64_t extraFeatures, PrepareTimes& times);
+                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times);
+
+/// The members of FrameParameters that say where the lights are.
+void setLights(gpu::FrameParameters& parameters, const GpuScene& scene);
 
 }  // namespace tilefarm

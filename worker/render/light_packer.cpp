@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "worker/render/alias_table.h"
+#include "worker/render/light_tree.h"
 #include "worker/render/texture_average.h"
 
 namespace tilefarm {
@@ -16,23 +17,45 @@ double luminance(const glm::dvec3& c) {
     return glm::dot(c, glm::dvec3(0.2126, 0.7152, 0.0722));
 }
 
-// Collects records beside the weights that choose among them.
+// Collects records beside what chooses among them.
 struct Lights {
     std::vector<gpu::LightRecord> records;
     std::vector<double> powers;
+    std::vector<LightBounds> bounds;
 
-    bool add(gpu::LightRecord record, const glm::vec3& value, double power) {
+    bool add(gpu::LightRecord record, const glm::vec3& value, double power, const LightBounds& bound) {
         if (!(power > 0) || !std::isfinite(power)) return false;
         record.red = value.r;
         record.green = value.g;
         record.blue = value.b;
         records.push_back(record);
         powers.push_back(power);
+        bounds.push_back(bound);
         return true;
     }
+    uint32_t next() const { return static_cast<uint32_t>(records.size()); }
 };
 
-gpu::LightRecord triangleRecord(const WorldGeometry& world, const EmissiveTriangle& triangle) {
+// Bounds of a flat emitter: Lambert, so the intensity is greatest along the normal.
+LightBounds flatBounds(const std::initializer_list<glm::vec3>& corners, const glm::dvec3& normal, double intensity,
+                       bool twoSided) {
+    LightBounds b;
+    b.lower = b.upper = *corners.begin();
+    for (const glm::vec3& corner : corners) {
+        b.lower = glm::min(b.lower, glm::dvec3(corner));
+        b.upper = glm::max(b.upper, glm::dvec3(corner));
+    }
+    b.axis = glm::normalize(normal);
+    b.thetaE = pi / 2;
+    b.intensity = intensity;
+    b.twoSided = twoSided;
+    return b;
+}
+
+void addTriangle(const Scene& scene, const WorldGeometry& world, const EmissiveTriangle& triangle, Lights& lights,
+                 PackedLights& packed) {
+    const Material& material = world.materialOf(scene, world.instanceOf(triangle.triangle).material);
+    if (material.unlit) return;
     const glm::uvec3 corners = world.triangles[triangle.triangle];
     gpu::LightRecord record{};
     record.type = gpu::LIGHT_TRIANGLE;
@@ -41,74 +64,153 @@ gpu::LightRecord triangleRecord(const WorldGeometry& world, const EmissiveTriang
     record.p = world.positions[corners.x];
     record.a = world.positions[corners.y] - record.p;
     record.b = world.positions[corners.z] - record.p;
-    return record;
+    const double intensity =
+        luminance(glm::dvec3(material.emission) *
+                  averageOverTriangle(scene, material.emissionTexture, world, triangle.triangle)) *
+        triangle.area;
+    const glm::dvec3 normal = glm::cross(glm::dvec3(record.a), glm::dvec3(record.b));
+    const uint32_t index = lights.next();
+    if (lights.add(record, material.emission, pi * intensity * (material.doubleSided ? 2 : 1),
+                   flatBounds({record.p, world.positions[corners.y], world.positions[corners.z]}, normal, intensity,
+                              material.doubleSided)))
+        packed.primitiveLights[triangle.triangle] = index;
+    else
+        ++packed.darkTriangles;
 }
 
-void addTriangles(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
-    if (world.emissive.empty()) return;
+void addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
+    gpu::LightRecord record{};
+    record.type = gpu::LIGHT_QUAD;
+    record.primitive = quad.twoSided ? 1 : 0;
+    record.p = quad.corner;
+    record.a = quad.a;
+    record.b = quad.b;
+    const glm::dvec3 normal = glm::cross(glm::dvec3(quad.a), glm::dvec3(quad.b));
+    record.area = static_cast<float>(glm::length(normal));
+    const double intensity = luminance(quad.radiance) * glm::length(normal);
+    const uint32_t index = lights.next();
+    if (!lights.add(record, quad.radiance, pi * intensity * (quad.twoSided ? 2 : 1),
+                    flatBounds({quad.corner, quad.corner + quad.a, quad.corner + quad.b,
+                                quad.corner + quad.a + quad.b},
+                               normal, intensity, quad.twoSided)))
+        return;
+    packed.primitiveLights[quad.firstTriangle] = packed.primitiveLights[quad.firstTriangle + 1] = index;
+    packed.features |= gpu::bit(gpu::FEATURE_QUAD_LIGHTS);
+}
+
+void addSurfaces(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
+    if (world.emissive.empty() && world.quads.empty()) return;
     packed.primitiveLights.assign(world.primitiveCount(), gpu::NO_INDEX);
-    for (const EmissiveTriangle& triangle : world.emissive) {
-        const Material& material = scene.materials[world.instanceOf(triangle.triangle).material];
-        if (material.unlit) continue;
-        const glm::dvec3 radiance =
-            glm::dvec3(material.emission) *
-            averageOverTriangle(scene, material.emissionTexture, world, triangle.triangle);
-        const double power = luminance(radiance) * triangle.area * pi * (material.doubleSided ? 2 : 1);
-        const auto index = static_cast<uint32_t>(lights.records.size());
-        if (lights.add(triangleRecord(world, triangle), material.emission, power))
-            packed.primitiveLights[triangle.triangle] = index;
-        else
-            ++packed.darkTriangles;
-    }
-    packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
+    for (const EmissiveTriangle& triangle : world.emissive) addTriangle(scene, world, triangle, lights, packed);
+    for (const QuadLight& quad : world.quads) addQuad(quad, lights, packed);
+    if (!world.emissive.empty()) packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
 }
 
-double punctualPower(const PunctualLight& light, double sceneRadius) {
-    const double intensity = luminance(glm::dvec3(light.color));
+// Below 1e-6 rad fp32 directions cannot tell the disk's inside from its outside: such a light is a delta.
+bool isSun(const PunctualLight& light) {
+    return light.type == PunctualType::directional && light.angularRadius >= 1e-6f;
+}
+
+void addPunctual(const PunctualLight& light, double sceneRadius, Lights& lights, PackedLights& packed) {
+    gpu::LightRecord record{};
+    record.primitive = gpu::NO_INDEX;
+    record.p = glm::vec3(light.position);
+    record.a = light.direction;
+    record.b = {std::cos(light.innerCone), std::cos(light.outerCone), light.range};
+    LightBounds bounds;
+    bounds.lower = bounds.upper = record.p;
+    bounds.axis = light.direction;
+    bounds.intensity = luminance(glm::dvec3(light.color));
+    double power = 0;
     switch (light.type) {
-        case PunctualType::point: return 4 * pi * intensity;
-        case PunctualType::spot: return std::max(2 * pi * (1 - std::cos(light.outerCone)), 1e-9) * intensity;
-        case PunctualType::directional: return pi * sceneRadius * sceneRadius * intensity;
+        case PunctualType::point:
+            record.type = gpu::LIGHT_POINT;
+            bounds.thetaO = pi;
+            bounds.thetaE = pi / 2;
+            power = 4 * pi * bounds.intensity;
+            break;
+        case PunctualType::spot:
+            record.type = gpu::LIGHT_SPOT;
+            bounds.thetaO = light.innerCone;
+            bounds.thetaE = std::max(light.outerCone - light.innerCone, 0.f);
+            power = std::max(2 * pi * (1 - std::cos(light.outerCone)), 1e-9) * bounds.intensity;
+            break;
+        case PunctualType::directional:
+            record.type = gpu::LIGHT_DIRECTIONAL;
+            bounds.infinite = true;
+            bounds.axis = -light.direction;
+            power = pi * sceneRadius * sceneRadius * bounds.intensity;
+            break;
     }
-    return 0;
+    if (lights.add(record, light.color, power, bounds))
+        packed.features |= gpu::bit(gpu::FEATURE_PUNCTUAL_LIGHTS);
 }
 
-void addPunctual(const WorldGeometry& world, double sceneRadius, Lights& lights, PackedLights& packed) {
-    for (const PunctualLight& light : world.lights) {
-        gpu::LightRecord record{};
-        record.type = light.type == PunctualType::point  ? gpu::LIGHT_POINT
-                      : light.type == PunctualType::spot ? gpu::LIGHT_SPOT
-                                                         : gpu::LIGHT_DIRECTIONAL;
-        record.primitive = gpu::NO_INDEX;
-        record.p = glm::vec3(light.position);
-        record.a = light.direction;
-        record.b = {std::cos(light.innerCone), std::cos(light.outerCone), light.range};
-        if (lights.add(record, light.color, punctualPower(light, sceneRadius)))
-            packed.features |= gpu::bit(gpu::FEATURE_PUNCTUAL_LIGHTS);
-    }
+// A disk of even radiance that gives a plane across its axis the irradiance `color`: E = π L sin² θmax.
+void addSun(const PunctualLight& light, double sceneRadius, Lights& lights, PackedLights& packed) {
+    const double theta = std::min(double{light.angularRadius}, pi / 2), half = std::sin(theta / 2);
+    gpu::LightRecord record{};
+    record.type = gpu::LIGHT_SUN;
+    record.primitive = gpu::NO_INDEX;
+    record.a = light.direction;
+    record.b.x = static_cast<float>(2 * half * half);
+    LightBounds bounds;
+    bounds.infinite = true;
+    bounds.axis = -light.direction;
+    bounds.thetaO = theta;
+    bounds.intensity = luminance(glm::dvec3(light.color));
+    const glm::dvec3 radiance = glm::dvec3(light.color) / (pi * std::sin(theta) * std::sin(theta));
+    if (lights.add(record, radiance, pi * sceneRadius * sceneRadius * bounds.intensity, bounds))
+        packed.features |= gpu::bit(gpu::FEATURE_SUN_LIGHTS);
+}
+
+void addEnvironment(double flux, double sceneRadius, Lights& lights, PackedLights& packed) {
+    if (!(flux > 0)) return;
+    gpu::LightRecord record{};
+    record.type = gpu::LIGHT_ENVIRONMENT;
+    record.primitive = gpu::NO_INDEX;
+    LightBounds bounds;
+    bounds.infinite = true;
+    bounds.thetaO = pi;
+    bounds.intensity = flux / 4;  // irradiance, averaged over the orientations of a plane
+    const uint32_t index = lights.next();
+    if (!lights.add(record, glm::vec3(0), pi * sceneRadius * sceneRadius * flux, bounds)) return;
+    packed.environmentLight = index;
+    packed.features |= gpu::bit(gpu::FEATURE_ENVIRONMENT);
+}
+
+void chooseBy(LightSelection selection, const Lights& lights, PackedLights& packed) {
+    const bool byPower = selection == LightSelection::power || selection == LightSelection::tree;
+    packed.alias = buildAliasTable(byPower ? lights.powers : std::vector<double>(lights.powers.size(), 1.0));
+    packed.records = lights.records;
+    for (size_t i = 0; i < packed.records.size(); ++i)
+        packed.records[i].pmf = selection == LightSelection::all ? 1 : packed.alias[i].pmf;
+    if (selection == LightSelection::all && packed.records.size() > 1)
+        packed.features |= gpu::bit(gpu::FEATURE_ALL_LIGHTS);
+    if (selection != LightSelection::tree || packed.records.size() < kLeastLightsForTree) return;
+    LightTree tree = buildLightTree(lights.bounds);
+    packed.tree = std::move(tree.children);
+    for (size_t i = 0; i < packed.alias.size(); ++i) packed.alias[i].trail = tree.trails[i];
+    packed.features |= gpu::bit(gpu::FEATURE_LIGHT_TREE);
 }
 
 }  // namespace
 
-PackedLights packLights(const Scene& scene, const WorldGeometry& world, double environmentFlux) {
+PackedLights packLights(const Scene& scene, const WorldGeometry& world, double environmentFlux,
+                        LightSelection selection) {
     PackedLights packed;
     Lights lights;
     const double extent = 0.5 * glm::length(glm::dvec3(world.upper) - glm::dvec3(world.lower));
     const double sceneRadius = extent > 0 ? extent : 1;
-    addTriangles(scene, world, lights, packed);
-    addPunctual(world, sceneRadius, lights, packed);
-    if (environmentFlux > 0) {
-        gpu::LightRecord record{};
-        record.type = gpu::LIGHT_ENVIRONMENT;
-        record.primitive = gpu::NO_INDEX;
-        packed.environmentLight = static_cast<uint32_t>(lights.records.size());
-        lights.add(record, glm::vec3(0), pi * sceneRadius * sceneRadius * environmentFlux);
-        packed.features |= gpu::bit(gpu::FEATURE_ENVIRONMENT);
-    }
-    if (lights.records.empty()) return packed;
-    packed.alias = buildAliasTable(lights.powers);
-    packed.records = std::move(lights.records);
-    for (size_t i = 0; i < packed.records.size(); ++i) packed.records[i].pmf = packed.alias[i].pmf;
+    addSurfaces(scene, world, lights, packed);
+    for (const PunctualLight& light : world.lights)
+        if (!isSun(light)) addPunctual(light, sceneRadius, lights, packed);
+    packed.firstSun = lights.next();
+    for (const PunctualLight& light : world.lights)
+        if (isSun(light)) addSun(light, sceneRadius, lights, packed);
+    packed.sunCount = lights.next() - packed.firstSun;
+    addEnvironment(environmentFlux, sceneRadius, lights, packed);
+    if (!lights.records.empty()) chooseBy(selection, lights, packed);
     return packed;
 }
 

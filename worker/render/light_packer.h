@@ -3,25 +3,32 @@
 #include <vector>
 
 #include "shaders/gpu_types.h"
+#include "shared/job/job.h"
 #include "worker/scene/world.h"
 
 namespace tilefarm {
 
-/// The lights of a scene with the probability of choosing each, in proportion to its power.
+/// The lights of a scene with what chooses among them.
 struct PackedLights {
     std::vector<gpu::LightRecord> records;
     std::vector<gpu::AliasRecord> alias;  // one per record
+    std::vector<gpu::LightTreeChild> tree;  // empty where no tree chooses
     std::vector<uint32_t>
-        primitiveLights;  // by primitive: index into records or NO_INDEX; empty without emissive triangles
+        primitiveLights;  // by primitive: index into records or NO_INDEX; empty where no surface emits
     uint32_t environmentLight = gpu::NO_INDEX;
-    uint64_t features = 0;       // FEATURE_* of the light kinds there are
-    uint64_t darkTriangles = 0;  // of an emissive material but with no light in their texture
+    uint32_t firstSun = 0, sunCount = 0;  // lights of type LIGHT_SUN follow each other
+    uint64_t features = 0;                // FEATURE_* of the light kinds there are and of their selection
+    uint64_t darkTriangles = 0;           // of an emissive material but with no light in their texture
 };
 
+/// From so many lights on a tree is worth its cost; below, LightSelection::tree chooses by power.
+inline constexpr size_t kLeastLightsForTree = 2;
+
 /// `environmentFlux`: ∫ luminance dω of the environment, 0 for none. Powers are luminances: π L A for
-/// a triangle (twice that if double-sided, emission textures averaged over it), 4π I for a point,
-/// 2π (1 − cos outer) I for a spot; infinitely far lights weigh by what they send through the disk of the
+/// a triangle or quad (twice that if it emits from both sides, emission textures averaged over it), 4π I for a
+/// point, 2π (1 − cos outer) I for a spot; infinitely far lights weigh by what they send through the disk of the
 /// scene's bounding sphere. Lights without power are left out.
-PackedLights packLights(const Scene& scene, const WorldGeometry& world, double environmentFlux);
+PackedLights packLights(const Scene& scene, const WorldGeometry& world, double environmentFlux,
+                        LightSelection selection = LightSelection::power);
 
 }  // namespace tilefarm

@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cstring>
-#include <numbers>
 
 #include "path_trace.comp.h"
 #include "shared/error/error.h"
@@ -53,14 +52,8 @@ gpu::FrameParameters frameParameters(const GpuScene& scene, const Camera& camera
     gpu::FrameParameters p{};
     setCamera(p, camera, image);
     p.image = {image.width, image.height, settings.seed, 0};
-    p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), scene.lightCount,
-              scene.environmentLight};
-    p.environment = {scene.environmentWidth, scene.environmentHeight, 0, 0};
-    if (scene.environmentWeightSum > 0) {
-        const double texels = double(scene.environmentWidth) * scene.environmentHeight;
-        p.environmentPdf.x = static_cast<float>(1 / scene.environmentWeightSum);
-        p.environmentPdf.y = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
-    }
+    p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
+    setLights(p, scene);
     return p;
 }
 
@@ -102,7 +95,7 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeom
     : device(on),
       image(size),
       grid(size),
-      scene(makeGpuScene(on, source, world, featuresOf(camera) | alsoCompiled, times)),
+      scene(makeGpuScene(on, source, world, settings, featuresOf(camera) | alsoCompiled, times)),
       features(reportFeatures(scene.features)),
       parameters(frameParameters(scene, world.recentred(camera), size, settings)),
       pipeline(on, pipelineSpec(scene)),

@@ -12,20 +12,26 @@ bool emits(const Scene& scene, const Instance& instance) {
 }
 
 bool hasLight(const Scene& scene) {
-    return scene.hasEnvironment() || !scene.lights.empty() ||
+    return scene.hasEnvironment() || !scene.lights.empty() || !scene.areaLights.empty() ||
            std::any_of(scene.instances.begin(), scene.instances.end(),
                        [&](const Instance& instance) { return emits(scene, instance); });
 }
 
 }  // namespace
 
+Environment constantEnvironment(const glm::vec3& color) {
+    Environment environment;
+    environment.name = environment.image.name = "constant";
+    environment.image.width = 2;
+    environment.image.height = 1;
+    environment.image.rgbaFloat = {color.r, color.g, color.b, 1, color.r, color.g, color.b, 1};
+    return environment;
+}
+
 void lightIfDark(Scene& scene) {
     if (hasLight(scene)) return;
-    Image& image = scene.environment.image;
-    scene.environment.name = image.name = "constant white";
-    image.width = 2;
-    image.height = 1;
-    image.rgbaFloat.assign(8, 1.f);
+    scene.environment = constantEnvironment(glm::vec3(1));
+    scene.environment.name = scene.environment.image.name = "constant white";
     scene.warnings.push_back(
         {"lights", "the scene and the job have none", "lit from everywhere by white light of radiance 1"});
 }

@@ -23,6 +23,9 @@ void loadEnvironment(Scene& scene, const std::filesystem::path& path);
 /// loadEnvironment.
 void lightIfDark(Scene& scene);
 
+/// The same radiance from everywhere.
+Environment constantEnvironment(const glm::vec3& color);
+
 /// The camera that a job names: by camera or node name; "auto" is the scene's first camera, or
 /// framingCamera where it has none. Throws Error(invalidArgument) that lists the names there are.
 Camera selectCamera(const Scene& scene, const std::string& name, double imageAspect);

@@ -49,7 +49,8 @@ Material materialOf(const AreaLight& light) {
     material.roughness = 1;
     material.ior = 1;
     material.emission = light.radiance;
-    material.doubleSided = light.shape == AreaShape::quad && light.twoSided;
+    // A sphere glows inwards as well, so that a point within it is lit as its surroundings say.
+    material.doubleSided = light.shape == AreaShape::sphere || light.twoSided;
     return material;
 }
 
@@ -114,7 +115,7 @@ public:
 
 private:
     void reserve() {
-        uint64_t vertices = 0, triangles = 0;
+        uint64_t vertices = 4 * scene_.areaLights.size(), triangles = 2 * scene_.areaLights.size();
         for (const Instance& instance : scene_.instances) {
             const Mesh& mesh = scene_.meshes[instance.mesh];
             vertices += mesh.positions.size();
@@ -151,7 +152,7 @@ private:
         addPositions(mesh, instance.toWorld);
         addDirections(mesh, glm::dmat3(instance.toWorld), range.mirrored);
         addSurface(mesh);
-        addTriangles(mesh, range);
+        addTriangles(mesh, range, scene_.materials[mesh.material].emission != glm::vec3(0));
         range.triangleCount = out_.triangleCount() - range.firstTriangle;
         out_.instances.push_back(range);
     }
@@ -161,10 +162,16 @@ private:
             addShape(shape, kNone);
         }
         for (uint32_t i = 0; i < scene_.areaLights.size(); ++i) {
-            Shape shape = shapeOf(scene_.areaLights[i]);
-            shape.material = static_cast<uint32_t>(scene_.materials.size() + i);
+            const AreaLight& light = scene_.areaLights[i];
+            const auto material = static_cast<uint32_t>(scene_.materials.size() + i);
+            out_.lightMaterials.push_back(materialOf(light));
+            if (light.shape == AreaShape::quad) {
+                addQuad(light, material);
+                continue;
+            }
+            Shape shape = shapeOf(light);
+            shape.material = material;
             addShape(shape, i);
-            out_.lightMaterials.push_back(materialOf(scene_.areaLights[i]));
         }
     }
 
@@ -186,10 +193,13 @@ private:
 
     void addPositions(const Mesh& mesh, const glm::dmat4& toWorld) {
         for (glm::vec3 position : mesh.positions) {
-            const glm::dvec3 p = transformPoint(toWorld, position) - out_.centre;
-            out_.positions.push_back(fitsFloat(p) ? glm::vec3(p)
-                                                  : glm::vec3(std::numeric_limits<float>::infinity()));
+            addPosition(transformPoint(toWorld, position) - out_.centre);
         }
+    }
+
+    void addPosition(const glm::dvec3& p) {
+        out_.positions.push_back(fitsFloat(p) ? glm::vec3(p)
+                                              : glm::vec3(std::numeric_limits<float>::infinity()));
     }
 
     void addDirections(const Mesh& mesh, const glm::dmat3& toWorld, bool mirrored) {
@@ -235,9 +245,8 @@ private:
         if (hasColors_) append(out_.colors, mesh.colors, glm::vec4(1));
     }
 
-    void addTriangles(const Mesh& mesh, const WorldInstance& range) {
+    void addTriangles(const Mesh& mesh, const WorldInstance& range, bool emissive) {
         const uint32_t instance = static_cast<uint32_t>(out_.instances.size());
-        const bool emissive = scene_.materials[mesh.material].emission != glm::vec3(0);
         for (size_t i = 0; i < mesh.triangles.size(); ++i) {
             glm::uvec3 corners = mesh.triangles[i] + range.firstVertex;
             if (range.mirrored) {
@@ -259,6 +268,35 @@ private:
             out_.triangleInstance.push_back(instance);
             out_.triangleInMesh.push_back(static_cast<uint32_t>(i));
         }
+    }
+
+    /// A rectangle becomes two triangles and a light of its own; a skewed one two triangles that emit.
+    void addQuad(const AreaLight& light, uint32_t material) {
+        Mesh mesh;
+        const glm::dvec3 corner = light.position - light.u - light.v - out_.centre;
+        for (const glm::dvec3& p : {corner, corner + 2.0 * light.u, corner + 2.0 * (light.u + light.v),
+                                    corner + 2.0 * light.v}) {
+            addPosition(p);
+        }
+        addDirections(mesh, glm::dmat3(1), false);  // has none of these: only keeps the arrays as long
+        addSurface(mesh);
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+
+        WorldInstance range;
+        range.mesh = kNone;
+        range.material = material;
+        range.firstVertex = static_cast<uint32_t>(out_.positions.size() - 4);
+        range.vertexCount = 4;
+        range.firstTriangle = out_.triangleCount();
+        // Beyond 1e-5 the density of the rectangle's sampling would be off by more than its rounding.
+        const bool skewed = std::abs(glm::dot(light.u, light.v)) > 1e-5 * glm::length(light.u) * glm::length(light.v);
+        addTriangles(mesh, range, skewed && light.radiance != glm::vec3(0));
+        range.triangleCount = out_.triangleCount() - range.firstTriangle;
+        out_.instances.push_back(range);
+        if (skewed || range.triangleCount != 2) return;
+        const glm::vec3* p = &out_.positions[range.firstVertex];
+        out_.quads.push_back(
+            {range.firstTriangle, p[0], p[1] - p[0], p[3] - p[0], light.radiance, light.twoSided});
     }
 
     /// Of the rounded corners, so that it is the area of what rays meet.

@@ -12,7 +12,8 @@
 /// then are positions rounded to float, once: a scene far from its origin keeps all its bits.
 namespace tilefarm {
 
-/// The part of the arrays that one Scene::Instance became; same index as in the scene.
+/// The part of the arrays that one Scene::Instance became; same index as in the scene. Rectangular area lights
+/// follow, with mesh kNone: two triangles cost a kernel less than a shape does.
 struct WorldInstance {
     uint32_t mesh = 0, material = 0;
     uint32_t firstTriangle = 0, triangleCount = 0;
@@ -31,6 +32,14 @@ struct WorldShape {
     /// The box around it, rounded outwards and by what rays that graze it may be off.
     glm::vec3 lower{0}, upper{0};
     uint32_t areaLight = kNone;  // index into Scene::areaLights of the light that it is the surface of
+};
+
+/// A rectangle that emits, beside its two triangles.
+struct QuadLight {
+    uint32_t firstTriangle = 0;
+    glm::vec3 corner{0}, a{0}, b{0};  // re-centred; edges at right angles, it emits towards a × b
+    glm::vec3 radiance{0};
+    bool twoSided = false;
 };
 
 struct WorldGeometry {
@@ -54,20 +63,26 @@ struct WorldGeometry {
     std::vector<uint32_t> triangleInstance;
     std::vector<uint32_t> triangleInMesh;  // index into Mesh::triangles
 
-    /// Their primitive indices follow those of the triangles. Area lights come last, with materials of their
-    /// own.
+    /// Their primitive indices follow those of the triangles. Spherical area lights come last, with materials of
+    /// their own.
     std::vector<WorldShape> shapes;
     /// Black and emitting, one per area light; index Scene::materials.size() and on.
     std::vector<Material> lightMaterials;
 
     std::vector<EmissiveTriangle> emissive;  // those whose material has emission, by triangle
     std::vector<PunctualLight> lights;       // positions re-centred
+    std::vector<QuadLight> quads;
     /// Left out here because their transform collapses them or they do not fit a float.
     uint64_t degenerateTriangles = 0, degenerateShapes = 0;
 
     uint32_t triangleCount() const { return static_cast<uint32_t>(triangles.size()); }
     uint32_t primitiveCount() const { return triangleCount() + static_cast<uint32_t>(shapes.size()); }
     const WorldInstance& instanceOf(uint32_t triangle) const { return instances[triangleInstance[triangle]]; }
+    /// Of an instance or a shape.
+    const Material& materialOf(const Scene& scene, uint32_t material) const {
+        const size_t own = scene.materials.size();
+        return material < own ? scene.materials[material] : lightMaterials[material - own];
+    }
     /// Three positions per triangle, as buildBvh takes them.
     std::vector<glm::vec3> corners() const;
     /// The camera in the space of this geometry; its position is moved in double.

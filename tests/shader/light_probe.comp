@@ -1,0 +1,89 @@
+#version 460
+// Runs the renderer's own light sampling on a buffer of queries. Pdfs are those of the one light, without the
+// probability of choosing it.
+#extension GL_GOOGLE_include_directive : require
+
+#include "scene.glsl"
+#include "rng.glsl"
+#include "sampling.glsl"
+#include "../tests/shader/light_probe.h"
+
+bool acceptHit(uint primitive, vec2 barycentrics, uint key);
+#include "intersect.glsl"
+#include "texture.glsl"
+#include "surface.glsl"
+#include "material.glsl"
+#include "lights/light.glsl"
+
+layout(local_size_x = 64) in;
+layout(push_constant) uniform Block { uint count; };
+layout(std430, binding = BINDING_TILES) readonly buffer Queries { LightQuery queries[]; };
+layout(std430, binding = BINDING_FILM) writeonly buffer Answers { LightAnswer answers[]; };
+
+Surface surfaceOf(LightQuery q) {
+    Surface s;
+    s.position = q.position.xyz;
+    s.positionError = vec3(0);
+    s.geometricNormal = q.normal.xyz;
+    s.primitive = kNoPrimitive;
+    return s;
+}
+
+LightAnswer nothing() { return LightAnswer(vec4(0), vec4(0), vec4(0)); }
+
+LightAnswer sampled(LightQuery q) {
+    LightSample l;
+    SampleKey key = SampleKey(0u, q.ask.z, 7u);
+    uvec4 head = LOAD(lightTexels, q.ask.y * LIGHT_TEXELS);
+    if (!sampleOnLight(q.ask.y, head, 1.0, q.bits, key, 0u, surfaceOf(q), l)) return nothing();
+    return LightAnswer(vec4(l.wi, l.pdf), vec4(l.radiance, 1), vec4(0));
+}
+
+LightAnswer pdfAlong(LightQuery q) {
+    uint type = LOAD(lightTexels, q.ask.y * LIGHT_TEXELS).x;
+    vec3 d = q.direction.xyz;
+    LightAnswer a = nothing();
+    a.wi = vec4(d, 0);
+    if (type == LIGHT_ENVIRONMENT) {
+        a.wi.w = environmentAlong(d).a;
+    } else if (type == LIGHT_SUN) {
+        float h = lightTexel(q.ask.y, 3u).x;
+        if (sunCovers(-lightTexel(q.ask.y, 2u).xyz, h, d)) a.wi.w = sunPdf(h);
+    } else {
+        Hit hit;
+        if (!closestHit(Ray(q.position.xyz, 0.0, d, INFINITY, kNoPrimitive, 0u), hit)) return a;
+        Surface s = surfaceAt(hit, -d);
+        uint light = LOAD(primitiveLightTexels, s.primitive >> 2u)[s.primitive & 3u];
+        if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace))
+            a.wi.w = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d))) /
+                     uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z);
+    }
+    return a;
+}
+
+LightAnswer byTree(LightQuery q) {
+    LightAnswer a = nothing();
+    uint light;
+    float pmf;
+    if (!lightTreeSample(q.bits.xy, q.position.xyz, q.normal.xyz, light, pmf)) return a;
+    a.radiance.w = 1.0;
+    a.chosen = vec4(uintBitsToFloat(light), pmf, lightTreePmf(light, q.position.xyz, q.normal.xyz), 0);
+    return a;
+}
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= count) return;
+    LightQuery q = queries[i];
+    if (q.ask.x == PROBE_SAMPLE) {
+        answers[i] = sampled(q);
+    } else if (q.ask.x == PROBE_PDF) {
+        answers[i] = pdfAlong(q);
+    } else if (q.ask.x == PROBE_TREE) {
+        answers[i] = byTree(q);
+    } else {
+        LightAnswer a = nothing();
+        a.chosen.z = lightTreePmf(q.ask.y, q.position.xyz, q.normal.xyz);
+        answers[i] = a;
+    }
+}

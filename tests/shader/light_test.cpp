@@ -1,0 +1,237 @@
+// The light that arrives from every kind of light: against closed forms, and light sampling, BSDF sampling and
+// both together against each other. By z-tests on images of the real renderer.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/shader/device_fixture.h"
+#include "tests/shader/light_scenes.h"
+#include "tests/shader/render_frame.h"
+#include "tests/support/test_scenes.h"
+
+namespace tilefarm {
+namespace {
+
+using std::numbers::pi;
+
+/// Irradiance of a polygon of radiance 1: Lambert's formula, 1/2 Σ angle of edge times the cosine of its plane. All of
+/// it above the plane of the receiver.
+double polygonIrradiance(const std::vector<glm::dvec3>& corners, const glm::dvec3& point, const glm::dvec3& normal) {
+    double sum = 0;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const glm::dvec3 a = glm::normalize(corners[i] - point),
+                         b = glm::normalize(corners[(i + 1) % corners.size()] - point);
+        const glm::dvec3 pole = glm::cross(a, b);
+        const double sine = glm::length(pole);
+        if (sine > 0) sum += std::atan2(sine, glm::dot(a, b)) * glm::dot(pole / sine, normal);
+    }
+    return std::abs(sum) / 2;
+}
+
+std::vector<glm::dvec3> cornersOf(const AreaLight& l) {
+    return {l.position - l.u - l.v, l.position + l.u - l.v, l.position + l.u + l.v, l.position - l.u + l.v};
+}
+
+/// A floor of albedo 1/2 around the origin, facing +y.
+void addFloor(Scene& scene, float half = 5) {
+    addMesh(scene, quadMesh({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}), matte(glm::vec3(0.5f)));
+}
+
+/// A camera that sees next to nothing but `point` on the floor, from the side.
+Camera closeUp(const glm::dvec3& point) {
+    return cameraAt(point + glm::dvec3(-0.7, 0.5, 0.6), point, 1e-5);
+}
+
+class LightTest : public DeviceTest {
+protected:
+    Mean radianceAt(const Scene& scene, const glm::dvec3& point, uint32_t samples,
+                    DirectLight directLight = DirectLight::mis, LightSelection selection = LightSelection::power,
+                    uint32_t seed = 1) {
+        RenderSettings settings = bounces(1, seed);
+        settings.directLight = directLight;
+        settings.lightSelection = selection;
+        return meanOf(renderFrame(device, scene, closeUp(point), square(32), settings, samples));
+    }
+
+    void expectIrradiance(const Scene& scene, const glm::dvec3& point, double irradiance, uint32_t samples = 64) {
+        for (const DirectLight mode : {DirectLight::mis, DirectLight::lights}) {
+            SCOPED_TRACE(static_cast<int>(mode));
+            expectMean(radianceAt(scene, point, samples, mode), 0.5 / pi * irradiance, 1e-3 * irradiance * 0.5 / pi);
+        }
+    }
+
+    void expectPolygon(const AreaLight& light, const glm::dvec3& point, uint32_t samples = 64) {
+        Scene scene;
+        addFloor(scene);
+        scene.areaLights = {light};
+        const double radiance = light.radiance.x;
+        expectIrradiance(scene, point, radiance * polygonIrradiance(cornersOf(light), point, {0, 1, 0}), samples);
+    }
+};
+
+TEST_F(LightTest, QuadGivesLambertsPolygonFormula) {
+    expectPolygon(quadLight({0.3, 1.5, 0}, {1, 0, 0}, {0, 0, 1}, 4), {0.7, 0, 0.2});
+    EXPECT_NEAR(polygonIrradiance({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}}, {0, 0, 0}, {0, 1, 0}), 1.7408395,
+                1e-6);
+}
+
+TEST_F(LightTest, QuadStandsUprightOnTheFloorAndTouchesIt) {
+    // Hard case 35. The nearest point is a ten-thousandth of the quad's size away from it.
+    const AreaLight wall = quadLight({0, 0.5, -1}, {0, 0.5, 0}, {0.5, 0, 0}, 3);
+    AreaLight facing = wall;
+    std::swap(facing.u, facing.v);  // towards +z
+    for (const double distance : {0.3, 1e-2, 1e-4}) expectPolygon(facing, {0.1, 0, -1 + distance});
+}
+
+TEST_F(LightTest, QuadThatIsThinFarAndGrazingKeepsItsIrradiance) {
+    // Hard case 36: a thousandth wide at ten units, seen at 89.9° from its normal.
+    const double tilt = 89.9 * pi / 180;
+    const AreaLight sliver = quadLight({0, 10, 0}, {0.0005, 0, 0}, {0, 0.5 * std::sin(tilt), 0.5 * std::cos(tilt)}, 1e6);
+    AreaLight facing = sliver;
+    if (glm::cross(facing.u, facing.v).y > 0) std::swap(facing.u, facing.v);
+    expectPolygon(facing, {0, 0, 0});
+}
+
+TEST_F(LightTest, SkewedQuadIsLitAsWell) {
+    expectPolygon(quadLight({0.3, 1.5, 0}, {1, 0, 0}, {0.5, 0, 1}, 4), {0.7, 0, 0.2});
+}
+
+TEST_F(LightTest, QuadIsSeenFromItsFrontOnlyUnlessItIsTwoSided) {
+    Scene scene;
+    scene.materials.push_back(matte(glm::vec3(1)));
+    scene.areaLights = {quadLight({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 3)};
+    const auto seen = [&](double z) {
+        return meanOf(renderFrame(device, scene, cameraAt({0, 0, z}, {0, 0, 0}, 0.1), square(8), bounces(1), 1)).value;
+    };
+    EXPECT_EQ(seen(5), 3);
+    EXPECT_EQ(seen(-5), 0);
+    scene.areaLights[0].twoSided = true;
+    EXPECT_EQ(seen(-5), 3);
+}
+
+TEST_F(LightTest, QuadFarFromTheOriginIsWhereItIs) {
+    Scene scene;
+    const glm::dvec3 away(3e6, 0, -2e6);
+    addMesh(scene, quadMesh({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), matte(glm::vec3(0.5f)),
+            glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(away, 1)));
+    const AreaLight light = quadLight(away + glm::dvec3(0.3, 1.5, 0), {1, 0, 0}, {0, 0, 1}, 4);
+    scene.areaLights = {light};
+    const glm::dvec3 point = away + glm::dvec3(0.7, 0, 0.2);
+    expectIrradiance(scene, point, 4 * polygonIrradiance(cornersOf(light), point, {0, 1, 0}));
+}
+
+TEST_F(LightTest, SunOfAnySizeGivesItsIrradianceTimesTheCosine) {
+    for (const float radius : {1e-5f, 0.00465f, 0.1f, 0.6f}) {
+        SCOPED_TRACE(radius);
+        Scene scene;
+        addFloor(scene);
+        scene.lights = {sunLight({1, -1, 0}, radius, 3)};
+        expectIrradiance(scene, {0, 0, 0}, 3 / std::sqrt(2.0));
+    }
+}
+
+TEST_F(LightTest, SunShowsItsDiskToTheCameraWithItsRadiance) {
+    Scene scene;
+    scene.materials.push_back(matte(glm::vec3(1)));
+    scene.lights = {sunLight({0, 0, -1}, 0.00465f, 2)};
+    const double radiance = 2 / (pi * std::pow(std::sin(0.00465), 2));
+    const auto seen = [&](double angle) {
+        const Camera camera = cameraAt({0, 0, 0}, {std::sin(angle), 0, std::cos(angle)}, 1e-5);
+        return meanOf(renderFrame(device, scene, camera, square(8), bounces(1), 1)).value;
+    };
+    EXPECT_NEAR(seen(0), radiance, 1e-5 * radiance);
+    EXPECT_NEAR(seen(0.0046), radiance, 1e-5 * radiance);
+    EXPECT_EQ(seen(0.0047), 0);
+}
+
+TEST_F(LightTest, RotationTurnsTheEnvironmentCounterClockwiseSeenFromAbove) {
+    // A bright texel towards +x; turned by 90° it is towards −z.
+    Scene scene;
+    scene.materials.push_back(matte(glm::vec3(1)));
+    scene.environment = oneTexelSun(4, 2, 2, 0, 5);  // its middle at 45° up, between +x and +z
+    const auto seen = [&](double azimuth) {
+        const glm::dvec3 d(std::cos(azimuth), 1, std::sin(azimuth));
+        return meanOf(renderFrame(device, scene, cameraAt({0, 0, 0}, d, 1e-5), square(8), bounces(1), 1)).value;
+    };
+    EXPECT_NEAR(seen(pi / 4), 5, 1e-3);
+    EXPECT_NEAR(seen(-pi / 4), 0, 1e-3);
+    scene.environment.rotation = pi / 2;
+    EXPECT_NEAR(seen(-pi / 4), 5, 1e-3);
+    EXPECT_NEAR(seen(pi / 4), 0, 1e-3);
+    scene.environment.rotation = -3.5 * pi;
+    EXPECT_NEAR(seen(-pi / 4), 5, 1e-3);
+}
+
+TEST_F(LightTest, RotatingTheEnvironmentIsRotatingTheScene) {
+    Scene scene;
+    addFloor(scene);
+    scene.environment = oneTexelSun(32, 16, 20, 4, 50);
+    const Mean still = radianceAt(scene, {0, 0, 0}, 256);
+    scene.environment.rotation = 2.2;  // the floor is round enough
+    expectSame(still, radianceAt(scene, {0, 0, 0}, 256));
+}
+
+TEST_F(LightTest, HiddenEnvironmentLightsAndReflectsButIsNotSeen) {
+    Scene scene;
+    addFloor(scene, 1);
+    Material mirror = matte(glm::vec3(1));
+    mirror.metallic = 1;
+    mirror.roughness = 0;
+    addMesh(scene, quadMesh({-4, 0, 1}, {2, 0, 0}, {0, 0, -2}), mirror);
+    scene.environment = uniformEnvironment(glm::vec3(2));
+    scene.lights = {sunLight({0.3f, -1, 0}, 0.02f)};
+    scene.environment.visible = false;
+    const auto look = [&](const glm::dvec3& eye, const glm::dvec3& at) {
+        return renderFrame(device, scene, cameraAt(eye, at, 1e-3), square(8), bounces(2), 64);
+    };
+    for (const glm::dvec3& up : {glm::dvec3(-0.3, 1, 0), glm::dvec3(1, 1, 0)}) {
+        const auto sky = look({0, 1, 0}, glm::dvec3(0, 1, 0) + up);
+        EXPECT_EQ(meanOf(sky).value, 0);
+        EXPECT_EQ(sky[0].alpha, 0);
+    }
+    EXPECT_NEAR(meanOf(look({-3, 2, 0}, {-3, 0, 0.5})).value, 2, 1e-3) << "in the mirror";
+    EXPECT_GT(meanOf(look({0, 2, 0}, {0, 0, 0})).value, 0.9) << "on the floor";
+}
+
+
+class EstimatorTest : public LightTest, public testing::WithParamInterface<size_t> {};
+
+TEST_P(EstimatorTest, LightSamplingBsdfSamplingAndBothGiveTheSame) {
+    LightScene light = lightsWithExtent()[GetParam()];
+    Material glossy = matte(glm::vec3(0.9f, 0.7f, 0.4f));
+    glossy.metallic = 1;
+    glossy.roughness = 0.6f;
+    for (const Material& material : {matte(glm::vec3(0.5f)), glossy}) {
+        SCOPED_TRACE(material.metallic);
+        Scene scene = light.scene;
+        addMesh(scene, quadMesh({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), material);
+        const uint32_t samples = light.name == "tinySun" || light.name == "farQuad" ? 2048 : 256;
+        const Mean mis = radianceAt(scene, light.point, 256, DirectLight::mis, LightSelection::power, 1),
+                   lights = radianceAt(scene, light.point, 256, DirectLight::lights, LightSelection::power, 2),
+                   bsdf = radianceAt(scene, light.point, samples, DirectLight::bsdf, LightSelection::power, 3);
+        EXPECT_GT(mis.value, 0);
+        expectSame(mis, lights);
+        expectSame(mis, bsdf);
+        expectSame(lights, bsdf);
+    }
+}
+
+std::string nameOf(const testing::TestParamInfo<size_t>& info) {
+    return lightsWithExtent()[info.param].name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, EstimatorTest, testing::Range(size_t{0}, lightsWithExtent().size()), nameOf);
+
+TEST_F(LightTest, BsdfSamplingAloneLeavesDeltaLightsToLightSampling) {
+    Scene scene;
+    addFloor(scene);
+    PunctualLight lamp;
+    lamp.position = {0, 2, 0};
+    lamp.color = glm::vec3(3);
+    scene.lights = {lamp};
+    EXPECT_NEAR(radianceAt(scene, {0, 0, 0}, 4, DirectLight::bsdf).value, 0.5 / pi * 3 / 4, 1e-4);
+}
+
+}  // namespace
+}  // namespace tilefarm
