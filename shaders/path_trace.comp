@@ -52,8 +52,17 @@ vec3 lightSide(Surface s, Bsdf bsdf) {
     return through ? vec3(0) : s.geometricNormal;
 }
 
+// Absorption on either side of a surface: on wo's, and behind it.
+struct Media {
+    vec3 near, far;
+};
+
+Media mediaAt(vec3 near, Surface s, MaterialPoint m, Bsdf bsdf) {
+    return Media(near, bsdf.thin ? near : s.frontFace ? m.absorption : vec3(0));
+}
+
 // What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
-vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
+vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
     if (dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
@@ -63,22 +72,24 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
     if (!(maxComponent(f) > 0.0)) return vec3(0);
     float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
+    if (has(FEATURE_ATTENUATION) && !l.infinite)
+        contribution *= exp(-(wi.z > 0.0 ? media.near : media.far) * distance(l.origin, l.target));
     return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
 }
 
 // Light that arrives straight from the lights.
-vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo) {
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
     // Of the kinds of lights only those without extent are left to this.
     if (has(FEATURE_BSDF_SAMPLING_ONLY) && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
     LightSample l;
     if (has(FEATURE_ALL_LIGHTS)) {
         vec3 sum = vec3(0);
         for (uint light = 0u; light < parameters.path.z; light++)
-            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo);
+            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media);
         return sum;
     }
     if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
-    return lightThrough(l, key, bounce, s, bsdf, wo);
+    return lightThrough(l, key, bounce, s, bsdf, wo, media);
 }
 
 struct PathState {
@@ -153,7 +164,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.side = lightSide(s, bsdf);
     if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.thin) {
         if (transmits(bsdf)) path.etaScale *= bsdf.eta * bsdf.eta;
-        if (has(FEATURE_ATTENUATION)) path.absorption = s.frontFace ? m.absorption : vec3(0);
+        if (has(FEATURE_ATTENUATION)) path.absorption = mediaAt(path.absorption, s, m, bsdf).far;
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
     path.ray.direction = direction;
@@ -201,7 +212,7 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
         vec3 wo = worldWo * s.frame;
         if (wo.z <= 0.0) break;
         Bsdf bsdf = bsdfAt(m, wo, s.frontFace);
-        if (hasLights()) path.radiance += path.throughput * directLight(key, bounce, s, bsdf, wo);
+        if (hasLights()) path.radiance += path.throughput * directLight(key, bounce, s, bsdf, wo, mediaAt(path.absorption, s, m, bsdf));
 
         uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_BSDF));
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));

@@ -238,6 +238,43 @@ TEST_F(BsdfLayersTest, LayersOverWhiteReturnAllLight) {
         }
 }
 
+TEST_F(BsdfLayersTest, FullStacksKeepTheirEnergy) {
+    const ProbeMaterial all{.metallic = 0,
+                            .alpha = 0.09f,
+                            .flags = kDisney,
+                            .clearcoat = 1,
+                            .clearcoatAlpha = 0.01f,
+                            .sheenRoughness = 0.5f,
+                            .disneySheen = 1,
+                            .sheenColor = {1, 1, 1},
+                            .diffuseTransmission = 0.5f,
+                            .subsurface = 0.5f};
+    std::vector<LobeRow> rows;
+    const auto add = [&](const char* name, auto change) {
+        LobeRow row{name, all, kEverything};
+        change(row.material);
+        rows.push_back(row);
+    };
+    add("all", [](ProbeMaterial&) {});
+    add("rough", [](ProbeMaterial& m) { m.alpha = 1, m.clearcoatAlpha = 0.5f, m.sheenRoughness = 1; });
+    add("smooth cloth", [](ProbeMaterial& m) { m.sheenRoughness = 0.1f, m.clearcoat = 0; });
+    add("GTR1 over metal",
+        [](ProbeMaterial& m) { m.flags = kGtr1, m.metallic = 1, m.clearcoatAlpha = 0.1f; });
+    add("Oren-Nayar plastic", [](ProbeMaterial& m) {
+        m.flags = kThin, m.orenNayarSigma = 1, m.clearcoat = 0, m.sheenColor = glm::vec3(0),
+        m.disneySheen = 0;
+    });
+    add("subsurface plastic", [](ProbeMaterial& m) {
+        m.subsurface = 1, m.clearcoat = 0, m.sheenColor = glm::vec3(0), m.disneySheen = 0;
+    });
+    add("coated glass", [](ProbeMaterial& m) { m.flags = 0, m.transmission = 1, m.diffuseTransmission = 0; });
+    for (const LobeRow& row : rows) {
+        expectEnergy(row);
+        expectAgreement(row);
+        expectFinite(row);
+    }
+}
+
 // Principled parameters at random: what they have in common is that no light comes from nothing.
 ProbeMaterial randomMaterial(std::mt19937& random) {
     std::uniform_real_distribution<float> uniform(0, 1);

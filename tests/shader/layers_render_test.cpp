@@ -147,6 +147,25 @@ TEST_F(LayersRenderTest, LightThroughASolidFadesByBeerLambert) {
     EXPECT_NEAR(mean.value.r, expected, 4 * mean.sigma + 1e-3);
 }
 
+TEST_F(LayersRenderTest, LampInsideASolidFadesByBeerLambert) {
+    Material slab = matte(glm::vec3(0));
+    slab.diffuseTransmission = 1;
+    slab.thickness = 1;
+    slab.attenuationColor = {0.5f, 0.25f, 1};
+    slab.attenuationDistance = 0.5f;
+    Scene scene;
+    addMesh(scene, cubeMesh(false), slab, glm::scale(glm::dmat4(1), glm::dvec3(50, 50, 0.5)));
+    PunctualLight lamp;
+    lamp.color = glm::vec3(10);
+    scene.lights.push_back(lamp);
+    const Mean mean = render(scene, headOn(), 4, 1);
+    // The picture's corners see it off the axis: half a percent in mean.
+    for (int c = 0; c < 3; ++c) {
+        const double expected = slab.attenuationColor[c] * 10 / (0.5 * 0.5) / pi;
+        EXPECT_NEAR(mean.value[c], expected, 0.01 * expected) << c;
+    }
+}
+
 TEST_F(LayersRenderTest, UnlitShowsItsColourWhateverItsLayers) {
     Material m = matte({0.2f, 0.4f, 0.6f});
     m.unlit = true;
