@@ -84,7 +84,8 @@ GPU_CONSTANT FEATURE_BSDF_SAMPLING_ONLY = 39;   // likewise: the BSDF alone
 GPU_CONSTANT FEATURE_ENVIRONMENT_ROTATION = 40;
 GPU_CONSTANT FEATURE_HIDDEN_ENVIRONMENT = 41;   // camera rays do not see it
 GPU_CONSTANT FEATURE_SHAPES = 42;               // surfaces other than triangles
-GPU_CONSTANT FEATURE_COUNT = 43;
+GPU_CONSTANT FEATURE_FIELDS = 43;               // shapes by signed distance
+GPU_CONSTANT FEATURE_COUNT = 44;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -136,9 +137,21 @@ GPU_CONSTANT SHAPE_RECTANGLE = 3;  // the square of side 2 in z = 0, its front t
 GPU_CONSTANT SHAPE_DISK = 4;       // the unit disk in z = 0, its front towards +z
 GPU_CONSTANT SHAPE_CYLINDER = 5;   // along y, capped: half height, radius at the bottom, at the top
 GPU_CONSTANT SHAPE_CAPSULE = 6;    // hull of two spheres on the y axis: half their distance, radii below and above
-GPU_CONSTANT SHAPE_FIELD = 7;      // where a signed distance is zero, shaders/shapes/field.glsl
+GPU_CONSTANT SHAPE_FIELD = 7;      // where a signed distance is zero: step scale, size
 GPU_CONSTANT SHAPE_TEXELS = 8;
 GPU_CONSTANT SHAPE_MIRRORED = 1u << 0;  // the transform's determinant is negative
+
+// Instructions of a field (shaders/shapes/field.glsl), with their parameters.
+GPU_CONSTANT FIELD_SPHERE = 0;      // radius
+GPU_CONSTANT FIELD_BOX = 1;         // half sides, radius of the rounding
+GPU_CONSTANT FIELD_TORUS = 2;       // around y: radius of the ring, of the tube
+GPU_CONSTANT FIELD_CONE = 3;        // along y: half height, radius at the bottom, at the top
+GPU_CONSTANT FIELD_MANDELBULB = 4;  // power, iterations
+GPU_CONSTANT FIELD_UNION = 5;       // of two; length over which it is smoothed
+GPU_CONSTANT FIELD_INTERSECTION = 6;
+GPU_CONSTANT FIELD_DIFFERENCE = 7;  // the first without the second
+GPU_CONSTANT FIELD_TEXELS = 3;
+GPU_CONSTANT FIELD_STACK = 8;       // distances waiting at once, at most
 
 GPU_CONSTANT LIGHT_TRIANGLE = 0;
 GPU_CONSTANT LIGHT_POINT = 1;

@@ -8,6 +8,7 @@
 //     const uint kBvhStackSize = …;        specialization constant, bvhStackConstant(bvh) of worker/bvh/bvh.h
 //     uniform usamplerBuffer shapeTexels;  RGBA32UI, ShapeRecords of gpu_types.h
 //     const bool kBvhShapes = …;           specialization constant: whether there are surfaces other than triangles
+//     const bool kBvhFields = …;           specialization constant: whether any of them is a field
 //     const bool kBvhNonOpaque = …;        specialization constant: whether any triangle asks acceptHit
 //     bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 //         Whether a hit on a non-opaque triangle counts. A pure function of its arguments (`key` is the ray's), so that

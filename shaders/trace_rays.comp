@@ -10,6 +10,7 @@ layout(constant_id = 0) const uint kBvhStackSize = 32u;
 layout(constant_id = 1) const bool kBvhNonOpaque = false;
 layout(constant_id = 2) const bool kAnyHit = false;
 layout(constant_id = 3) const bool kBvhShapes = false;
+const bool kBvhFields = false;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;
 layout(set = 0, binding = 2) uniform usamplerBuffer rays;

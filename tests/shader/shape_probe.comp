@@ -7,6 +7,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const uint kBvhStackSize = 32u;
 layout(constant_id = 1) const bool kBvhNonOpaque = false;
+layout(constant_id = 2) const bool kBvhFields = false;
 const bool kBvhShapes = true;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;

@@ -20,13 +20,13 @@ Bvh bvhOf(const WorldGeometry& world, bool nonOpaque) {
     return buildBvh({}, std::vector<uint8_t>(world.shapes.size(), nonOpaque), shapeBoxes(world.shapes));
 }
 
-gpu::ComputePipeline makePipeline(const gpu::Device& device, const Bvh& bvh, bool nonOpaque) {
+gpu::ComputePipeline makePipeline(const gpu::Device& device, const Bvh& bvh, bool nonOpaque, bool fields) {
     using gpu::BindingKind;
     return {device,
             {.spirv = shape_probe_comp,
              .bindings = {BindingKind::texels, BindingKind::texels, BindingKind::texels, BindingKind::storage,
                           BindingKind::texels},
-             .constants = {bvhStackConstant(bvh), nonOpaque},
+             .constants = {bvhStackConstant(bvh), nonOpaque, fields},
              .pushConstantBytes = 4,
              .name = "shape_probe"}};
 }
@@ -38,10 +38,11 @@ ShapeProbe::ShapeProbe(const gpu::Device& device, std::vector<Shape> shapes, boo
       bvh_([&] {
           const WorldGeometry world = worldOf(std::move(shapes));
           centre_ = world.centre;
+          for (const WorldShape& shape : world.shapes) fields_ |= shape.shape.kind == ShapeKind::field;
           records_ = packShapes(world.shapes);
           return bvhOf(world, nonOpaque);
       }()),
-      pipeline_(makePipeline(device, bvh_, nonOpaque)),
+      pipeline_(makePipeline(device, bvh_, nonOpaque, fields_)),
       nodes_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(bvh_.nodes), "BVH nodes"),
       triangles_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(bvh_.triangles), "BVH triangles"),
       shapes_(device, gpu::TexelFormat::rgba32ui, gpu::bytesOf(records_), "shapes") {}

@@ -37,6 +37,7 @@ public:
 private:
     const gpu::Device& device_;
     glm::dvec3 centre_{0};
+    bool fields_ = false;
     std::vector<glm::uvec4> records_;
     Bvh bvh_;
     gpu::ComputePipeline pipeline_;

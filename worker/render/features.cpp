@@ -52,6 +52,7 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "environment rotation",
     "hidden environment",
     "shapes",
+    "distance fields",
 };
 static_assert(!kNames.back().empty());
 

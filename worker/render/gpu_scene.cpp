@@ -36,7 +36,11 @@ std::vector<uint32_t> padded(std::vector<uint32_t> indices) {
 
 // Vertex data that no effect reads is not stored.
 uint64_t geometryFeatures(const WorldGeometry& world) {
-    return (world.colors.empty() ? 0u : gpu::bit(gpu::FEATURE_VERTEX_COLORS)) |
+    const bool fields = std::any_of(world.shapes.begin(), world.shapes.end(), [](const WorldShape& shape) {
+        return shape.shape.kind == ShapeKind::field;
+    });
+    return (fields ? gpu::bit(gpu::FEATURE_FIELDS) : 0u) |
+           (world.colors.empty() ? 0u : gpu::bit(gpu::FEATURE_VERTEX_COLORS)) |
            (world.shapes.empty() ? 0u : gpu::bit(gpu::FEATURE_SHAPES));
 }
 
