@@ -127,7 +127,7 @@ TEST_F(BsdfLayersTest, EveryLobeAloneIsSound) {
 }
 
 TEST_F(BsdfLayersTest, DirectionsFollowThePdf) {
-    for (const double cosTheta : {0.1, 0.6, 0.95}) {
+    for (const double cosTheta : {0.0175, 0.1, 0.6, 0.95, 1.0}) {
         for (const float alpha : {0.001f, 0.02f, 0.1f, 0.4f, 1.f}) {
             expectChiSquare(coat(alpha), cosTheta);
             expectChiSquare(coat(alpha, kGtr1), cosTheta);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
@@ -23,23 +24,29 @@ struct Mean {
 
 class LayersRenderTest : public DeviceTest {
 protected:
-    /// Mean radiance of a 16 × 16 picture.
-    Mean render(const Scene& scene, const Camera& camera, uint32_t samples, uint32_t bounces) {
+    /// A 16 × 16 picture.
+    std::vector<PassPixel> pixels(const Scene& scene, const Camera& camera, uint32_t samples,
+                                  uint32_t bounces, uint64_t alsoCompiled = 0) {
         ImageSpec image;
         image.width = image.height = 16;
         image.tileSize = 16;
         RenderSettings settings;
         settings.maxBounces = bounces;
         settings.rouletteStart = bounces;
-        Renderer renderer(device, scene, camera, image, settings);
-        const PassFilm film = renderer.render(0, std::vector<uint32_t>{0}, {0, samples}).front();
+        Renderer renderer(device, scene, camera, image, settings, alsoCompiled);
+        return renderer.render(0, std::vector<uint32_t>{0}, {0, samples}).front().pixels;
+    }
+
+    /// Its mean radiance.
+    Mean render(const Scene& scene, const Camera& camera, uint32_t samples, uint32_t bounces) {
         Mean mean;
         double variance = 0;
-        for (const PassPixel& p : film.pixels) {
+        const std::vector<PassPixel> picture = pixels(scene, camera, samples, bounces);
+        for (const PassPixel& p : picture) {
             mean.value += glm::dvec3(p.mean[0], p.mean[1], p.mean[2]);
             variance += double{p.m2[0]} / (double(samples) * (samples - 1));
         }
-        const auto n = static_cast<double>(film.pixels.size());
+        const auto n = static_cast<double>(picture.size());
         mean.value /= n;
         mean.sigma = std::sqrt(variance) / n;
         return mean;
@@ -178,6 +185,38 @@ TEST_F(LayersRenderTest, UnlitShowsItsColourWhateverItsLayers) {
     const Mean mean = render(scene, headOn(), 4, 4);
     EXPECT_NEAR(mean.value.r, 0.2, 1e-6);
     EXPECT_NEAR(mean.value.b, 0.6, 1e-6);
+}
+
+// The code of one lobe compiled in beside another that is used: no bit of the picture may change.
+TEST_F(LayersRenderTest, LobesKeepTheirBitsBesideTheCodeOfOthers) {
+    using gpu::bit;
+    const auto scene = [](const Material& left, const Material& right) {
+        Scene result;
+        addMesh(result, sphereMesh(12), left, glm::translate(glm::dmat4(1), glm::dvec3(-1, 0, 0)));
+        addMesh(result, sphereMesh(12), right, glm::translate(glm::dmat4(1), glm::dvec3(1, 0, 0)));
+        result.environment = uniformEnvironment({0.4f, 0.6f, 0.9f});
+        return result;
+    };
+    Material coated = matte({0.6f, 0.2f, 0.1f}), cloth = coated, leaf = coated, clay = coated;
+    coated.clearcoat = 0.7f;
+    coated.clearcoatRoughness = 0.3f;
+    cloth.sheenColor = {0.9f, 0.8f, 1};
+    cloth.sheenRoughness = 0.4f;
+    leaf.diffuseTransmission = 0.5f;
+    leaf.disneySheen = 1;
+    clay.orenNayarSigma = 0.6f;
+    const Camera camera = cameraAt({0, 0, 6}, {0, 0, 0}, 0.7);
+    const auto expectSameBits = [&](const Scene& s, uint64_t others) {
+        const auto plain = pixels(s, camera, 4, 3), with = pixels(s, camera, 4, 3, others);
+        EXPECT_EQ(std::memcmp(plain.data(), with.data(), plain.size() * sizeof(PassPixel)), 0);
+    };
+    expectSameBits(scene(coated, cloth), bit(gpu::FEATURE_DIFFUSE_TRANSMISSION) |
+                                             bit(gpu::FEATURE_OREN_NAYAR) | bit(gpu::FEATURE_DISNEY_DIFFUSE) |
+                                             bit(gpu::FEATURE_DISNEY_SHEEN) | bit(gpu::FEATURE_GTR1) |
+                                             bit(gpu::FEATURE_SPECULAR));
+    expectSameBits(scene(leaf, clay), bit(gpu::FEATURE_CLEARCOAT) | bit(gpu::FEATURE_SHEEN) |
+                                          bit(gpu::FEATURE_DISNEY_DIFFUSE) | bit(gpu::FEATURE_TRANSMISSION) |
+                                          bit(gpu::FEATURE_SPECULAR) | bit(gpu::FEATURE_MIRROR));
 }
 
 TEST_F(LayersRenderTest, TexturesScaleLayersByTheirChannels) {
