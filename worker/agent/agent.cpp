@@ -39,8 +39,10 @@ ImageAttributes attributesOf(const Lease& lease, const WorkerHello& hello) {
 }  // namespace
 
 std::string residentKey(const JobSpec& spec) {
-    const nlohmann::json json = toJson(spec);
-    return nlohmann::json{json.at("scene"), json.at("camera"), json.at("image"), json.at("settings")}.dump();
+    // All but what does not change the picture of a frame.
+    nlohmann::json json = toJson(spec);
+    for (const char* member : {"name", "frames", "stop", "priority"}) json.erase(member);
+    return json.dump();
 }
 
 Agent::Agent(Parts parts, WorkerHello hello, double wantSeconds, uint32_t seed)

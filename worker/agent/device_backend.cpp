@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shared/error/error.h"
+#include "worker/scene/apply_job.h"
 #include "worker/scene/load.h"
 
 namespace tilefarm {
@@ -13,7 +14,7 @@ namespace {
 SceneCounts countsOf(const Scene& scene) {
     SceneCounts counts;
     counts.instances = scene.instances.size();
-    counts.lights = scene.lights.size();
+    counts.lights = scene.lights.size() + scene.areaLights.size();
     counts.materials = scene.materials.size();
     counts.images = scene.images.size();
     counts.degenerateTriangles = scene.degenerateTriangles;
@@ -33,9 +34,7 @@ public:
         renderer_.reset();
         if (!device_) device_.emplace(index_, options_);
         const auto begin = std::chrono::steady_clock::now();
-        Scene scene = loadGltf(files.entry, spec.variant);
-        if (!files.environment.empty()) loadEnvironment(scene, files.environment);
-        lightIfDark(scene);
+        Scene scene = loadJobScene(files.entry, files.environment, spec);
         const double aspect = static_cast<double>(spec.image.width) / spec.image.height;
         const Camera camera = selectCamera(scene, spec.camera, aspect);
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/scene/extensions.h"
+#include "worker/scene/vendor_extensions.h"
+
 namespace tilefarm {
 namespace {
 
@@ -96,6 +99,16 @@ PunctualLight parseLight(const JsonNode& node) {
     return light;
 }
 
+/// What an area light has no use for.
+void warnOfPunctualMembers(LoadContext& load, const JsonNode& node) {
+    if (node["range"]) {
+        load.warn("range", node, "a light with a surface reaches everywhere");
+    }
+    if (node["spot"]) {
+        load.warn("spot", node, "a rectangle shines into its whole half space, without a cone");
+    }
+}
+
 }  // namespace
 
 std::vector<Camera> parseCameras(const JsonNode& root) {
@@ -107,11 +120,17 @@ std::vector<Camera> parseCameras(const JsonNode& root) {
     return cameras;
 }
 
-std::vector<PunctualLight> parseLights(const JsonNode& root) {
-    const JsonNode nodes = root["extensions"]["KHR_lights_punctual"]["lights"];
-    std::vector<PunctualLight> lights;
+std::vector<GltfLight> parseLights(LoadContext& load) {
+    const JsonNode nodes = load.file.root()["extensions"]["KHR_lights_punctual"]["lights"];
+    std::vector<GltfLight> lights;
     for (size_t i = 0; i < nodes.size(); ++i) {
-        lights.push_back(parseLight(nodes[i]));
+        GltfLight& light = lights.emplace_back();
+        light.punctual = parseLight(nodes[i]);
+        light.area = readVendorLight(nodes[i]["extensions"]["TILEFARM_lights"], light.punctual);
+        warnOfNotRendered(load, nodes[i]);
+        if (light.area) {
+            warnOfPunctualMembers(load, nodes[i]);
+        }
     }
     return lights;
 }

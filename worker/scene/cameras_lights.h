@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "worker/scene/load_context.h"
 
 namespace tilefarm {
@@ -7,7 +9,13 @@ namespace tilefarm {
 /// Every camera of the file, not yet placed. Throws Error(invalidArgument) with the place of a fault.
 std::vector<Camera> parseCameras(const JsonNode& root);
 
+/// A light as it stands in its node's space: an area light where TILEFARM_lights makes it one.
+struct GltfLight {
+    PunctualLight punctual;
+    std::optional<AreaLight> area;
+};
+
 /// Every light of KHR_lights_punctual, not yet placed. Throws as parseCameras does.
-std::vector<PunctualLight> parseLights(const JsonNode& root);
+std::vector<GltfLight> parseLights(LoadContext& load);
 
 }  // namespace tilefarm

@@ -8,6 +8,7 @@
 #include "shared/error/error.h"
 #include "worker/scene/animations.h"
 #include "worker/scene/extensions.h"
+#include "worker/scene/material_override.h"
 #include "worker/scene/materials.h"
 #include "worker/scene/nodes.h"
 #include "worker/scene/variants.h"
@@ -27,17 +28,29 @@ auto within(const std::filesystem::path& path, Work work) {
     }
 }
 
+void warnOfScenes(LoadContext& load) {
+    const JsonNode scenes = load.file.root()["scenes"];
+    if (scenes.size() > 1) {
+        const uint64_t shown = load.file.root()["scene"].integerOr(0, kNone - 1);
+        if (shown < scenes.size()) {  // else a fault, found where nodes are read
+            load.warn("scenes", scenes, fmt::format("only {} is rendered", labelOf(scenes[shown])));
+        }
+    }
+}
+
 LoadContext& checked(LoadContext& load, const std::string& variant) {
     load.variant = findVariant(load.file.root(), variant);
     checkExtensions(load);
+    warnOfScenes(load);
     return load;
 }
 
 }  // namespace
 
 struct GltfSource::Impl {
-    Impl(const std::filesystem::path& from, const GltfOptions& options)
+    Impl(const std::filesystem::path& from, const GltfOptions& given)
         : path(from),
+          options(given),
           file(from),
           views(file),
           accessors(file.root(), views),
@@ -45,7 +58,7 @@ struct GltfSource::Impl {
           textures(checked(load, options.variant)),
           animations(load, options.animation, options.loop),
           skins(parseSkins(load)) {
-        scene.materials = parseMaterials(load, textures);
+        scene.materials = parseMaterials(load, textures, options);
         meshes.emplace(load);
     }
 
@@ -58,7 +71,9 @@ struct GltfSource::Impl {
         next.warnings = std::move(scene.warnings);
         scene = std::move(next);
         animations.apply(file.document(), seconds);
-        scene.materials = parseMaterials(load, textures);
+        scene.materials = parseMaterials(load, textures, options);
+        // Before the meshes are read, whose tangents depend on what their material is.
+        applyOverrides(scene, options.materials);
         meshes->beginPose();
         loadNodes(load, *meshes, skins);
         scene.degenerateTriangles = meshes->degenerateTriangles();
@@ -66,6 +81,7 @@ struct GltfSource::Impl {
     }
 
     std::filesystem::path path;
+    GltfOptions options;
     GltfFile file;
     BufferViews views;
     Accessors accessors;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "worker/scene/scene.h"
 
@@ -12,6 +13,9 @@ struct GltfOptions {
     std::string variant;            // of KHR_materials_variants by name; empty: the file's default materials
     std::string animation = "all";  // plays: "all", "none", or one by name
     bool loop = false;              // each animation starts again at its end, else it stays there
+    Microfacets microfacets = Microfacets::ggx;    // of materials that do not say theirs
+    Fresnel fresnel = Fresnel::exact;              // likewise
+    std::vector<MaterialOverride> materials = {};  // laid over those of the file, also over animated ones
 };
 
 /// A glTF file and the scene it shows at any time. Images are decoded and meshes that do not change shape

@@ -46,6 +46,9 @@ public:
     [[noreturn]] void fail(const std::string& fault) const;
     /// "/meshes/0/primitives/1"
     const std::string& place() const { return place_; }
+    const std::string& fileName() const { return *file_; }
+    /// What it stands for; an error where it is missing.
+    const nlohmann::json& json() const { return value(); }
 
 private:
     const nlohmann::json& value() const;

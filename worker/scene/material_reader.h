@@ -1,5 +1,6 @@
 #pragma once
 
+#include "worker/scene/extensions.h"
 #include "worker/scene/textures.h"
 
 namespace tilefarm {
@@ -27,6 +28,8 @@ public:
     TextureRef colorTexture(const JsonNode& info) { return textures_.parse(info, true); }
     TextureRef dataTexture(const JsonNode& info) { return textures_.parse(info, false); }
     void warn(const std::string& feature, const std::string& instead) { load_.warn(feature, node_, instead); }
+    /// Of what is known and not rendered.
+    void warnOfExtensions() { warnOfNotRendered(load_, node_); }
 
 private:
     float clampedValue(const JsonNode& value, double given, double lower, double upper);

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "worker/scene/extensions.h"
 #include "worker/scene/material_reader.h"
+#include "worker/scene/vendor_extensions.h"
 
 namespace tilefarm {
 namespace {
@@ -50,9 +50,18 @@ void readAlpha(MaterialReader& reader, Material& m) {
     m.alphaCutoff = reader.factor(reader.node()["alphaCutoff"], 0.5, kLargest);
 }
 
-Material readMaterial(LoadContext& load, Textures& textures, const JsonNode& node) {
-    MaterialReader reader(load, textures, node);
+void warnOfOcclusion(MaterialReader& reader) {
+    const JsonNode occlusion = reader.node()["occlusionTexture"];
+    if (occlusion && occlusion["strength"].numberOr(1) != 0) {
+        reader.warn("occlusionTexture", "light is occluded by the geometry itself");
+    }
+}
+
+Material readMaterial(MaterialReader& reader, const GltfOptions& options) {
+    const JsonNode& node = reader.node();
     Material m;
+    m.microfacets = options.microfacets;
+    m.fresnel = options.fresnel;
     m.name = node["name"].textOr("");
     readMaterialExtensions(reader, m);
     if (!readSpecularGlossiness(reader, m)) {
@@ -63,21 +72,26 @@ Material readMaterial(LoadContext& load, Textures& textures, const JsonNode& nod
     readAlpha(reader, m);
     m.doubleSided = node["doubleSided"].booleanOr(false);
     m.unlit = static_cast<bool>(reader.extension("KHR_materials_unlit"));
-    warnOfNotRendered(load, node);
+    readVendorMaterial(reader.extension("TILEFARM_materials"), m);
+    warnOfOcclusion(reader);
+    reader.warnOfExtensions();
     return m;
 }
 
 }  // namespace
 
-std::vector<Material> parseMaterials(LoadContext& load, Textures& textures) {
+std::vector<Material> parseMaterials(LoadContext& load, Textures& textures, const GltfOptions& options) {
     const JsonNode nodes = load.file.root()["materials"];
     std::vector<Material> materials;
     materials.reserve(nodes.size() + 1);
     for (size_t i = 0; i < nodes.size(); ++i) {
-        materials.push_back(readMaterial(load, textures, nodes[i]));
+        MaterialReader reader(load, textures, nodes[i]);
+        materials.push_back(readMaterial(reader, options));
     }
-    materials.emplace_back();
-    materials.back().name = "default";
+    Material& last = materials.emplace_back();
+    last.name = "default";
+    last.microfacets = options.microfacets;
+    last.fresnel = options.fresnel;
     return materials;
 }
 

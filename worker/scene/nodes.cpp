@@ -118,7 +118,7 @@ public:
           skins_(skins),
           tree_(load.file.root()),
           cameras_(parseCameras(load.file.root())),
-          lights_(parseLights(load.file.root())) {}
+          lights_(parseLights(load)) {}
 
     void run() {
         std::vector<bool> visited(tree_.size(), false);
@@ -161,11 +161,22 @@ private:
         }
     }
 
-    void addLight(PunctualLight light, const glm::dmat4& toWorld, const std::string& node) {
-        light.name = light.name.empty() ? node : light.name;
-        light.position = glm::dvec3(toWorld[3]);
-        light.direction = -glm::dvec3(withoutScale(toWorld)[2]);
-        load_.scene.lights.push_back(light);
+    /// A light is as large as it says, whatever the scale of its node.
+    void addLight(GltfLight light, const glm::dmat4& toWorld, const std::string& node) {
+        const std::string name = light.punctual.name.empty() ? node : light.punctual.name;
+        const glm::dmat4 placed = withoutScale(toWorld);
+        if (light.area) {
+            light.area->name = name;
+            light.area->position = glm::dvec3(toWorld[3]);
+            light.area->u = glm::dmat3(placed) * light.area->u;
+            light.area->v = glm::dmat3(placed) * light.area->v;
+            load_.scene.areaLights.push_back(*light.area);
+            return;
+        }
+        light.punctual.name = name;
+        light.punctual.position = glm::dvec3(toWorld[3]);
+        light.punctual.direction = -glm::dvec3(placed[2]);
+        load_.scene.lights.push_back(light.punctual);
     }
 
     void addInstances(const JsonNode& node, uint32_t mesh, const glm::dmat4& toWorld,
@@ -252,7 +263,7 @@ private:
     const std::vector<Skin>& skins_;
     NodeTree tree_;
     std::vector<Camera> cameras_;
-    std::vector<PunctualLight> lights_;
+    std::vector<GltfLight> lights_;
 };
 
 }  // namespace

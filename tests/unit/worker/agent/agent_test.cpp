@@ -268,6 +268,18 @@ TEST(ResidentKey, DependsOnWhatARendererDependsOnAndNothingElse) {
     other = spec;
     other.image.tileSize = 64;
     EXPECT_NE(residentKey(other), key);
+    other = spec;
+    other.environment.sky.turbidity = 2;
+    EXPECT_NE(residentKey(other), key);
+    other = spec;
+    other.lights.emplace_back();
+    EXPECT_NE(residentKey(other), key);
+    other = spec;
+    other.materials.emplace_back().roughness = 0.5f;
+    EXPECT_NE(residentKey(other), key);
+    other = spec;
+    other.variant = "dusk";
+    EXPECT_NE(residentKey(other), key);
 }
 
 }  // namespace

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+
+#include "shared/job/job.h"
+#include "worker/scene/gltf_source.h"
+
+namespace tilefarm {
+
+/// The scene that a job renders: its files, read with the job's variant, with what the job says of
+/// materials, lights and environment laid over them, and light where there is none. `environment` may be
+/// empty. Throws Error(invalidArgument) that names the file or the job's member and the fault.
+Scene loadJobScene(const std::filesystem::path& entry, const std::filesystem::path& environment,
+                   const JobSpec& job);
+
+/// How a job wants its glTF file read, at rest.
+GltfOptions gltfOptionsOf(const JobSpec& job);
+
+/// Adds the job's lights. For each time of an animated scene.
+void addJobLights(Scene& scene, const JobSpec& job);
+
+/// Sets the job's environment, with the pixels of `file` where the job wants them (empty: there is none),
+/// and light where there is none at all. Once for each scene, after its lights.
+void setJobEnvironment(Scene& scene, const JobSpec& job, const std::filesystem::path& file);
+
+}  // namespace tilefarm
