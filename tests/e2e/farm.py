@@ -94,6 +94,15 @@ class Answer:
         return json.loads(self.body)
 
 
+def option_words(options):
+    """width=8, tile_size=16 as --width 8 --tile-size 16; a tuple gives an option several values, a list repeats it."""
+    words = []
+    for key, values in options.items():
+        for value in values if isinstance(values, list) else [values]:
+            words += ["--" + key.replace("_", "-"), *(value if isinstance(value, tuple) else (value,))]
+    return words
+
+
 class FarmTest(unittest.TestCase):
     """A test case with an empty folder and, once asked for, a farm."""
 
@@ -196,7 +205,7 @@ class FarmTest(unittest.TestCase):
 
     def submit(self, scene, **options):
         """submit(scene, width=8, tile_size=16) and so on; the job's id."""
-        words = [w for key, value in options.items() for w in ("--" + key.replace("_", "-"), value)]
+        words = option_words(options)
         return self.cli("submit", scene, *words).split()[0]
 
     def job(self, job_id):
@@ -234,7 +243,7 @@ class FarmTest(unittest.TestCase):
     def render_here(self, scene, name="local.exr", **options):
         """tilefarm-worker render, which must succeed; gives the EXR and the report."""
         exr, report = self.folder / name, self.folder / (name + ".json")
-        words = [w for key, value in options.items() for w in ("--" + key.replace("_", "-"), value)]
+        words = option_words(options)
         code, out, err = self.run_program("tilefarm-worker", "render", scene, "-o", exr, "--report", report, "--cache",
                                           self.folder / "cache", "--device", software_device(), *words)
         self.assertEqual(code, 0, out + err)

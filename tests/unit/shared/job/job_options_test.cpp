@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
+#include "shared/job/wire.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -133,6 +135,45 @@ TEST(JobOptions, RefuseWhatIsOutOfRange) {
     for (const char* words : {"--width=0", "--width=32769", "--width=-1", "--width=x", "--samples=0",
                               "--priority=101", "--frames=x", "--sampels=1"})
         EXPECT_THROW(parsed({words}), CLI::ParseError) << words;
+}
+
+// Every member of the schema as the README writes it: settings.seed, lights[].kind.
+void collectMembers(const nlohmann::json& schema, const std::string& prefix, std::vector<std::string>& out) {
+    if (schema.contains("properties") && schema["type"] == "object")
+        for (const auto& [name, member] : schema["properties"].items())
+            collectMembers(member, prefix.empty() ? name : prefix + "." + name, out);
+    else if (schema["type"] == "array" && schema["items"]["type"] == "object")
+        collectMembers(schema["items"], prefix + "[]", out);
+    else
+        out.push_back(prefix);
+}
+
+std::string tablesOf(const std::string& file) {
+    std::ifstream in(file);
+    std::string tables;
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("|")) tables += line + "\n";
+    return tables;
+}
+
+TEST(Readme, HasEveryKnobInItsTables) {
+    const std::string tables = tablesOf(TILEFARM_SOURCE_DIR "/README.md");
+    std::vector<std::string> members;
+    collectMembers(jobSchema(), "", members);
+    EXPECT_GT(members.size(), 60u);
+    for (const std::string& member : members)
+        EXPECT_THAT(tables, testing::HasSubstr("`" + member + "`")) << "not in a table of the README";
+
+    CLI::App app;
+    JobSpec spec;
+    addJobOptions(app, spec);
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames()) {
+            if (name == "help") continue;
+            const bool found = tables.find("`--" + name + "`") != std::string::npos ||
+                               tables.find("`--" + name + " ") != std::string::npos;
+            EXPECT_TRUE(found) << "--" << name << " is not in a table of the README";
+        }
 }
 
 TEST(Frames, AreOneOrARange) {

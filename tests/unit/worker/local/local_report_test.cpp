@@ -34,6 +34,8 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["device"], "Fake");
     EXPECT_EQ(report["image"]["tileSize"], 128);
     EXPECT_EQ(report["settings"]["maxBounces"], 8);
+    EXPECT_EQ(report["environment"]["kind"], "auto");
+    EXPECT_EQ(report["lights"].size() + report["materials"].size(), 0u);
     EXPECT_EQ(report["features"]["leftOut"][0], "textures");
     EXPECT_EQ(report["warnings"][0]["where"], "materials/3 (Cloth)");
     EXPECT_EQ(report["prepare"]["loadSeconds"], 0.5);
