@@ -5,7 +5,7 @@
 //   F_d  = (1 + (F90 − 1)(1 − cosθi)⁵) (1 + (F90 − 1)(1 − cosθo)⁵),  F90 = 1/2 + 2 roughness cos²θd
 //   ss   = 1.25 (F_ss (1 / (cosθi + cosθo) − 1/2) + 1/2),            F_ss the same with F90 = roughness cos²θd
 //
-// Both reflect more than arrives at grazing angles (up to 1.56 of it for F_d, 2.0 for ss). Where that is so
+// Both reflect more than arrives at grazing angles (up to 1.56 of it for F_d, 1.51 for ss). Where that is so
 // the value is divided by the larger of the two directional albedos, max(1, E(wo), E(wi)): reciprocal, never
 // above 1, and Burley's own formula to the bit wherever neither direction gains energy.
 #ifndef DISNEY_DIFFUSE_GLSL

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "worker/render/material_packer.h"
+#include "worker/scene/load.h"
 
 namespace tilefarm {
 namespace {
@@ -98,6 +99,22 @@ TEST(LayerPacker, BindsTexturesAndTablesOnlyOfLobesThatShow) {
     EXPECT_NE(packed.record.diffuseTransmissionTexture, gpu::NO_INDEX);
     EXPECT_EQ(packed.tables, 2u);
     EXPECT_NE(packed.record.coatTable, packed.record.sheenTable);
+}
+
+// tests/data/make_materials.py: the scenes hold what the pictures in the documents are to show.
+TEST(LayerPacker, OurScenesCallForTheLobesTheyShow) {
+    const auto featuresOf = [](const char* name) {
+        const Scene scene = loadGltf(std::string(TILEFARM_SOURCE_DIR) + "/tests/data/" + name);
+        TexturePacker textures(scene);
+        MaterialPacker packer(textures);
+        for (const Material& material : scene.materials) packer.add(material, true);
+        return packer.features;
+    };
+    const uint64_t layers = gpu::bit(gpu::FEATURE_CLEARCOAT) | gpu::bit(gpu::FEATURE_SHEEN) |
+                            gpu::bit(gpu::FEATURE_DIFFUSE_TRANSMISSION) | gpu::bit(gpu::FEATURE_ATTENUATION);
+    const uint64_t maps = gpu::bit(gpu::FEATURE_TEXTURES) | gpu::bit(gpu::FEATURE_NORMAL_MAPS);
+    EXPECT_EQ(featuresOf("materials.glb") & layers, layers);
+    EXPECT_EQ(featuresOf("layers.glb") & (layers | maps), layers | maps);
 }
 
 }  // namespace
