@@ -134,6 +134,17 @@ def glass(nodes, recipe, images):
                       distribution=recipe.get("distribution", "SHARP")).outputs[0]
 
 
+def thin(nodes, recipe, images):
+    """A smooth sheet without thickness: reflects by Fresnel's equations, the rest goes straight on, tinted."""
+    back = nodes.node("ShaderNodeNewGeometry").outputs["Backfacing"]
+    # The Fresnel node takes the inverse of its index on back faces, which for a sheet are front faces too.
+    index = nodes.math("MULTIPLY_ADD", back, 1 / recipe["ior"] - recipe["ior"], recipe["ior"])
+    fresnel = nodes.node("ShaderNodeFresnel", {"IOR": index}).outputs[0]
+    through = nodes.node("ShaderNodeBsdfTransparent", {"Color": recipe["color"]}).outputs[0]
+    mirror = nodes.node("ShaderNodeBsdfGlossy", {"Color": [1, 1, 1], "Roughness": 0.0}, distribution="SHARP").outputs[0]
+    return nodes.mix(fresnel, through, mirror)
+
+
 def principled(nodes, recipe, images):
     return nodes.node("ShaderNodeBsdfPrincipled", recipe["inputs"],
                       distribution=recipe.get("distribution", "GGX")).outputs[0]
@@ -144,7 +155,7 @@ def translucent(nodes, recipe, images):
                      nodes.node("ShaderNodeBsdfTranslucent", {"Color": recipe["through"]}).outputs[0])
 
 
-RECIPES = {f.__name__: f for f in (diffuse, emission, glossy, glass, principled, translucent)}
+RECIPES = {f.__name__: f for f in (diffuse, emission, glossy, glass, thin, principled, translucent)}
 
 
 def set_materials(recipes):

@@ -335,6 +335,18 @@ def glass_smooth(folder):
                       samples=256)
 
 
+def glass_thin(folder):
+    stage, materials = Stage(), []
+    for i, (ior, color) in enumerate(((1.5, (0.9, 0.6, 0.3)), (2.0, (0.4, 0.8, 0.9)))):
+        name = f"Sheet {i}"
+        materials.append(stage.gltf.material(name, color, roughness=0.0, doubleSided=True, extensions={
+            "KHR_materials_ior": {"ior": ior}, "KHR_materials_transmission": {"transmissionFactor": 1.0}}))
+        stage.recipes[name] = {"kind": "thin", "ior": ior, "color": color}
+    stage.spheres(materials, radius=0.7)
+    return Comparison("glass-thin", "thin-walled glass, tinted, ior 1.5 and 2 | Transparent BSDF and sharp Glossy BSDF mixed "
+                      "by the Fresnel node", stage.write(folder, "glass-thin"), stage.recipes, sky(folder), bounces=24)
+
+
 def glass_constant(folder):
     stage = Stage(floor=None)
     stage.camera = ((0, 0.6, 6.2), (0, 0.6, 0), 36.0)
@@ -387,6 +399,19 @@ def translucent(folder):
                   (1.1 * (i - 1), 0.05, 0.3 * (i - 1)), solid=False)
     return Comparison("translucent", "diffuse transmission 0.3, 0.6, 1 | Diffuse and Translucent BSDF mixed",
                       stage.write(folder, "translucent"), stage.recipes, sky(folder))
+
+
+def dielectric(folder):
+    """The specular lobe of Principled alone: exact Fresnel at the microfacet."""
+    stage, materials = Stage(), []
+    for r in (0.1, 0.3, 0.5):
+        name = f"Black {r}"
+        materials.append(stage.gltf.material(name, (0, 0, 0), roughness=r))
+        stage.recipes[name] = {"kind": "principled", "inputs": {"Base Color": [0, 0, 0], "Roughness": r, "Specular": 0.5}}
+    stage.spheres(materials)
+    return Comparison("dielectric", "black dielectric, ior 1.5, GGX, roughness 0.1, 0.3, 0.5, no energy compensation | "
+                      "Principled BSDF, black", stage.write(folder, "dielectric"), stage.recipes, sky(folder),
+                      settings={"energyCompensation": False})
 
 
 def anisotropic(folder):
@@ -524,5 +549,6 @@ def png_alpha(rows, alpha):
 
 
 SCENES = [cornell, matte_sky, matte_turned_sky, cutout, blend, oren_nayar, translucent, point, spot, directional, sun,
-          quad, sphere, metal_smooth, metal_single, metal_multi, anisotropic, glass_smooth, glass_constant, glass_rough,
-          shared_cornell, shared_dragon, metal_rough, gold_rough, plastic, clearcoat, sheen, helmet]
+          quad, sphere, metal_smooth, metal_single, metal_multi, anisotropic, dielectric,
+          glass_smooth, glass_thin, glass_constant, glass_rough, shared_cornell, shared_dragon,
+          metal_rough, gold_rough, plastic, clearcoat, sheen, helmet]
