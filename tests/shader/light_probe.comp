@@ -51,8 +51,9 @@ LightAnswer pdfAlong(LightQuery q) {
         if (sunCovers(-lightTexel(q.ask.y, 2u).xyz, h, d)) a.wi.w = sunPdf(h);
     } else {
         Hit hit;
-        if (!closestHit(Ray(q.position.xyz, 0.0, d, INFINITY, kNoPrimitive, 0u), hit)) return a;
-        Surface s = surfaceAt(hit, -d);
+        Ray ray = Ray(q.position.xyz, 0.0, d, INFINITY, kNoPrimitive, 0u);
+        if (!closestHit(ray, hit)) return a;
+        Surface s = surfaceAt(hit, ray);
         uint light = LOAD(primitiveLightTexels, s.primitive >> 2u)[s.primitive & 3u];
         if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace))
             a.wi.w = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d))) /
