@@ -20,6 +20,7 @@ vec3 emissionAt(uint material, uint emissionTexture, vec2 uv0, vec2 uv1) {
     return emission;
 }
 
+#include "material_interface.glsl"
 #include "material_layers.glsl"
 
 MaterialPoint materialAt(Surface s) {
@@ -52,6 +53,7 @@ MaterialPoint materialAt(Surface s) {
             m.transmission *= sampleTexture(texture_, s.uv0, s.uv1).r;
     }
     if (has(FEATURE_ATTENUATION)) m.absorption = materialTexel(s.material, 4u).rgb;
+    readInterface(s, uintBitsToFloat(more.w), m);
     readOptionalLobes(s, m);
     return m;
 }

@@ -48,7 +48,7 @@ bool occluded(LightSample l, uint primitive, uint key) {
 
 // The side on which a surface sees lights, for lightPmf; zero for both.
 vec3 lightSide(Surface s, Bsdf bsdf) {
-    bool through = transmits(bsdf) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
+    bool through = transmits(bsdf.face) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
     return through ? vec3(0) : s.geometricNormal;
 }
 
@@ -58,7 +58,7 @@ struct Media {
 };
 
 Media mediaAt(vec3 near, Surface s, MaterialPoint m, Bsdf bsdf) {
-    return Media(near, bsdf.thin ? near : s.frontFace ? m.absorption : vec3(0));
+    return Media(near, bsdf.face.thin ? near : s.frontFace ? m.absorption : vec3(0));
 }
 
 // What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
@@ -102,6 +102,7 @@ struct PathState {
     bool delta;         // no light sampling could have found this direction
     vec3 from;          // where the path scattered last, and lightSide there: what light sampling went by
     vec3 side;
+    uint channel;       // the only one left after dispersion; 3: all
 };
 
 // Weight of light that the path met by itself, which light sampling finds with lightPdf.
@@ -162,14 +163,26 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.delta = b.delta;
     path.from = s.position;
     path.side = lightSide(s, bsdf);
-    if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.thin) {
-        if (transmits(bsdf)) path.etaScale *= bsdf.eta * bsdf.eta;
+    if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.face.thin) {
+        if (transmits(bsdf.face)) path.etaScale *= bsdf.face.eta * bsdf.face.eta;
         if (has(FEATURE_ATTENUATION)) path.absorption = mediaAt(path.absorption, s, m, bsdf).far;
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
     path.ray.direction = direction;
     path.ray.skipPrimitive = s.primitive;
     return maxComponent(path.throughput) > 0.0;
+}
+
+// KHR_materials_dispersion: red and blue see an index of refraction that is half the spread less or more. From its
+// first dispersive surface on a path follows one channel, chosen uniformly and weighted up.
+void disperse(inout PathState path, inout MaterialPoint m, SampleKey key) {
+    if (path.channel == 3u) {
+        path.channel = min(uint(3.0 * unitFloat(randomBits(key, DIMENSION_CHANNEL).x)), 2u);
+        vec3 kept = vec3(0);
+        kept[path.channel] = 3.0;
+        path.throughput *= kept;
+    }
+    m.ior += (float(path.channel) - 1.0) * (m.ior - 1.0) * 0.025 * m.dispersion;
 }
 
 PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
@@ -183,6 +196,7 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
     path.etaScale = 1.0;
     path.delta = true;
     path.from = path.side = vec3(0);
+    path.channel = 3u;
 
     for (uint bounce = 0u;; bounce++) {
         Hit hit;
@@ -211,6 +225,7 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
 
         vec3 wo = worldWo * s.frame;
         if (wo.z <= 0.0) break;
+        if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
         Bsdf bsdf = bsdfAt(m, wo, s.frontFace);
         if (hasLights()) path.radiance += path.throughput * directLight(key, bounce, s, bsdf, wo, mediaAt(path.absorption, s, m, bsdf));
 

@@ -4,9 +4,10 @@
 #ifndef RNG_GLSL
 #define RNG_GLSL
 
-// Blocks of four numbers. Blocks below DIMENSION_BOUNCE belong to the camera ray.
+// Blocks of four numbers. Blocks below DIMENSION_BOUNCE belong to the camera ray and the path as a whole.
 const uint DIMENSION_PIXEL = 0u;
 const uint DIMENSION_LENS = 1u;
+const uint DIMENSION_CHANNEL = 2u;  // the colour channel that a dispersed path follows
 const uint DIMENSION_BOUNCE = 8u;
 // Blocks of one bounce, counted from DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE.
 const uint DIMENSION_BSDF = 0u;         // lobe, direction (2), Russian roulette

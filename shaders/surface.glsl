@@ -114,6 +114,30 @@ vec3 coatNormal(Surface s, vec4 tangent, vec3 n, vec3 wo) {
     return consistentNormal(dot(n, s.geometricNormal) < 0.0 ? -n : n, s.geometricNormal, wo);
 }
 
+// The shading frame around a normal. Its tangent means something only where roughness depends on it
+// (KHR_materials_anisotropy): then it is the direction that material and texture turn away from the mesh's
+// tangent, in the tangent plane of `ns`, the normal before bumps and sides bent it to `n`.
+mat3 shadingFrame(Surface s, vec4 tangent, vec3 ns, vec3 n) {
+    mat3 frame = frameAround(n);
+    if (!has(FEATURE_ANISOTROPY)) return frame;
+    vec3 anisotropy = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 11u).xyz);
+    if (!(anisotropy.x > 0.0)) return frame;
+    vec2 turn = anisotropy.yz;
+    uint index = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 13u).x;
+    if (has(FEATURE_TEXTURES) && index != NO_INDEX) {
+        vec2 d = sampleTexture(index, s.uv0, s.uv1).xy * 2.0 - 1.0;
+        turn = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
+    }
+    vec3 bitangent = cross(ns, tangent.xyz) * (tangent.w < 0.0 ? -1.0 : 1.0);
+    vec3 along = turn.x * tangent.xyz + turn.y * bitangent;
+    along -= dot(along, n) * n;
+    float squared = dot(along, along);
+    // Meshes and texels without a direction: the rough axis is any.
+    if (!(squared > 1e-12)) return frame;
+    along *= inversesqrt(squared);
+    return mat3(along, cross(n, along), n);
+}
+
 // The point of a shape, surfaces other than triangles.
 Surface shapeSurface(Hit hit, Ray ray) {
     ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t);
@@ -136,7 +160,7 @@ Surface shapeSurface(Hit hit, Ray ray) {
         }
     }
     if (dot(ns, s.geometricNormal) < 0.0) ns = -ns;
-    s.frame = frameAround(consistentNormal(ns, s.geometricNormal, -ray.direction));
+    s.frame = shadingFrame(s, p.tangent, p.normal, consistentNormal(ns, s.geometricNormal, -ray.direction));
     return s;
 }
 
@@ -173,6 +197,7 @@ Surface surfaceAt(Hit hit, Ray ray) {
     vec4 first = interpolateTexel(v, b, 0u);
     float squared = dot(first.xyz, first.xyz);
     vec3 ns = squared > 0.0 ? first.xyz * inversesqrt(squared) : ng;
+    vec3 smoothNormal = ns;
     loadTexCoords(v, b, first.w, s.uv0, s.uv1);
     s.color = loadColor(v, b);
 
@@ -190,7 +215,9 @@ Surface surfaceAt(Hit hit, Ray ray) {
     }
     // The winding decides the side; attribute normals may disagree with it and follow.
     if (dot(ns, s.geometricNormal) < 0.0) ns = -ns;
-    s.frame = frameAround(consistentNormal(ns, s.geometricNormal, wo));
+    vec4 along = vec4(0);
+    if (has(FEATURE_ANISOTROPY)) along = vec4(interpolateTexel(v, b, 2u).xyz, vertexTexel(v.a, 2u).w);
+    s.frame = shadingFrame(s, along, smoothNormal, consistentNormal(ns, s.geometricNormal, wo));
     return s;
 }
 

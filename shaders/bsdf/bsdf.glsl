@@ -6,10 +6,10 @@
 //                 more than once between them
 //   diffuse base  front and back (diffuse.glsl)
 //
-// Interface: F = mix(dielectric, metal, metallic) is reflected; of the rest, the dielectric's share
-// `transmission` passes, tinted by the base colour, refracted or thin-walled. The diffuse base gets what the
-// rough interface above it lets through in both directions, (1 − E(wo)) (1 − E(wi)) / (1 − Eavg) (Kelemen,
-// Szirmay-Kalos 2001), which keeps it reciprocal and the sum from exceeding 1.
+// Interface (interface.glsl): F = mix(dielectric, metal, metallic) is reflected; of the rest, the
+// dielectric's share `transmission` passes, tinted by the base colour, refracted or thin-walled. The diffuse
+// base gets what the rough interface above it lets through in both directions (Kelemen, Szirmay-Kalos 2001;
+// compensation.glsl), which keeps it reciprocal and the sum from exceeding 1.
 //
 // Layers: what lies below coat and sheen is scaled by what they let through as seen from wo alone, as glTF
 // and OpenPBR have it: (1 − clearcoat · Ecoat(wo)) (1 − Esheen(wo)). A white stack returns
@@ -21,25 +21,23 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
-#include "fresnel.glsl"
-#include "ggx.glsl"
 #include "diffuse.glsl"
+#include "facets.glsl"
+#include "interface.glsl"
 #include "reflection.glsl"
 #include "transmission.glsl"
-#include "albedo_table.glsl"
+#include "compensation.glsl"
 #include "clearcoat.glsl"
 #include "sheen.glsl"
 
 struct Bsdf {
-    vec3 baseColor;
-    float metallic;
-    float alpha;
-    float eta;             // index of the far side over that of wo's side
-    float transmission;    // share of the dielectric that transmits
+    Interface face;
+    Facets facets;
+    float alpha;           // that the albedo tables are asked for
     uint albedoTable;
-    bool thin;
     bool mirror;           // reflection and transmission are delta lobes
-    DiffuseBase diffuse;   // with the interface's and layers' factor of wo
+    DiffuseBase diffuse;   // with the interface's factor of wo
+    Compensation compensation;
     Coat coat;
     Sheen sheen;
     float belowCoat;       // what the coat lets through to the sheen
@@ -58,25 +56,21 @@ struct BsdfSample {
 bool hasLayers() { return has(FEATURE_CLEARCOAT) || has(FEATURE_SHEEN) || has(FEATURE_DISNEY_SHEEN); }
 bool hasSheen() { return has(FEATURE_SHEEN) || has(FEATURE_DISNEY_SHEEN); }
 
-vec3 fresnel(Bsdf b, float cosTheta) {
-    return mix(vec3(fresnelDielectric(cosTheta, b.eta)), fresnelSchlick(b.baseColor, cosTheta), b.metallic);
+bool hasMultiple() { return has(FEATURE_SPECULAR) && has(FEATURE_ENERGY_COMPENSATION); }
+bool hasBack() { return has(FEATURE_DIFFUSE_TRANSMISSION) || hasMultiple() && has(FEATURE_TRANSMISSION); }
+
+// The interface's albedos (Ed, E1) for a direction.
+vec2 albedosAt(Bsdf b, float cosTheta) {
+    return b.albedoTable == NO_INDEX ? vec2(0) : albedoPair(b.albedoTable, cosTheta, b.alpha, needsBothAlbedos());
 }
 
-float transmittance(Bsdf b, float cosTheta) {
-    return has(FEATURE_TRANSMISSION) ? (1.0 - b.metallic) * b.transmission * (1.0 - fresnelDielectric(cosTheta, b.eta)) : 0.0;
-}
-
-// Probability of reflecting rather than transmitting at a microfacet.
-float reflectChance(Bsdf b, float cosTheta) {
-    if (!has(FEATURE_TRANSMISSION)) return 1.0;
-    float reflected = luminance(fresnel(b, cosTheta));
-    float transmitted = transmittance(b, cosTheta) * max(maxComponent(b.baseColor), 1e-3);
-    return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
-}
-
-// The interface's directional albedo.
-float interfaceAlbedo(Bsdf b, float cosTheta) {
-    return b.albedoTable == NO_INDEX ? 0.0 : reflectionAlbedo(b.albedoTable, cosTheta, b.alpha);
+// What the facets give, judged by a smooth surface. One of black specular colour or under a film may reflect
+// nothing there and yet do so off tilted facets.
+float facetWeight(Interface f, float cosTheta) {
+    float weight = luminance(reflectance(f, cosTheta)) + transmittance(f, cosTheta);
+    if (has(FEATURE_SPECULAR_COLOR) && f.tinted) weight = max(weight, 0.04 * f.specular);
+    if (hasFilm(f)) weight = max(weight, 0.04 * f.film);
+    return weight;
 }
 
 // Probabilities in proportion to what each lobe gives. The front lobe is the rest, so that it is chosen
@@ -84,10 +78,17 @@ float interfaceAlbedo(Bsdf b, float cosTheta) {
 void setChances(inout Bsdf b, vec3 wo) {
     float coat = has(FEATURE_CLEARCOAT) && b.coat.weight > 0.0 ? coatAlbedo(b.coat, wo) : 0.0;
     float sheen = hasSheen() ? b.belowCoat * sheenAlbedo(b.sheen, wo) : 0.0;
-    float back = has(FEATURE_DIFFUSE_TRANSMISSION) ? b.below * luminance(b.diffuse.back) : 0.0;
-    float facets = has(FEATURE_SPECULAR) ? b.below * (luminance(fresnel(b, wo.z)) + transmittance(b, wo.z)) : 0.0;
+    float front = luminance(b.diffuse.front), back = 0.0;
+    if (has(FEATURE_DIFFUSE_TRANSMISSION)) back = luminance(b.diffuse.back);
+    if (hasMultiple() && b.compensation.multiple.present) {
+        front += luminance(b.compensation.multiple.frontAlbedo);
+        back += luminance(b.compensation.multiple.backAlbedo);
+    }
+    float facets = has(FEATURE_SPECULAR) ? facetWeight(b.face, wo.z) : 0.0;
+    front *= b.below;
+    back *= b.below;
+    facets *= b.below;
     float others = coat + sheen + back + facets;
-    float front = b.below * luminance(b.diffuse.front);
     b.coatChance = b.sheenChance = b.backChance = b.facetChance = 0.0;
     b.frontChance = 1.0;
     if (others > 0.0) {
@@ -100,17 +101,41 @@ void setChances(inout Bsdf b, vec3 wo) {
     }
 }
 
+Facets facetsAt(MaterialPoint m) {
+    Facets f = Facets(vec2(m.alpha), m.flags);
+    if (has(FEATURE_ANISOTROPY) && m.alphaT != m.alpha) {
+        f.alpha.x = m.alphaT;
+        // One axis alone cannot be a mirror.
+        if (m.alphaT >= ALPHA_DELTA) f.alpha.y = max(f.alpha.y, ALPHA_DELTA);
+    }
+    return f;
+}
+
+bool isMirror(Facets facets, Interface face) {
+    if (!has(FEATURE_MIRROR)) return false;
+    // An index of 1 deflects nothing, however rough.
+    return max(facets.alpha.x, facets.alpha.y) < ALPHA_DELTA || transmits(face) && face.eta == 1.0 && !face.thin;
+}
+
+void setInterface(inout Bsdf b, vec3 wo, bool frontFace) {
+    b.compensation.multiple.present = false;
+    if (!has(FEATURE_SPECULAR) || b.albedoTable == NO_INDEX) return;
+    vec2 albedos = albedosAt(b, wo.z), averages = averageAlbedoPair(b.albedoTable, b.alpha);
+    b.compensation = compensationAt(b.face, b.albedoTable, frontFace, b.mirror, b.alpha, wo.z, albedos, averages);
+    vec3 coupling = b.compensation.coupling;
+    float through = max(couplingAt(coupling, albedos), 0.0) / max(couplingAt(coupling, averages), 1e-4);
+    b.diffuse.front *= through;
+    if (has(FEATURE_DIFFUSE_TRANSMISSION)) b.diffuse.back *= through;
+}
+
 Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
     Bsdf b;
-    b.baseColor = m.baseColor;
-    b.metallic = m.metallic;
-    b.alpha = m.alpha;
-    b.thin = (m.flags & MATERIAL_THIN) != 0u;
-    b.eta = frontFace || b.thin || m.transmission == 0.0 ? m.ior : 1.0 / m.ior;
-    b.transmission = m.transmission;
+    b.face = interfaceAt(m, frontFace);
+    b.facets = facetsAt(m);
+    b.alpha = meanAlpha(b.facets);
     b.albedoTable = m.albedoTable;
     b.diffuse = diffuseBaseAt(m);
-    b.mirror = has(FEATURE_MIRROR) && m.alpha < ALPHA_DELTA;
+    b.mirror = isMirror(b.facets, b.face);
     b.belowCoat = 1.0;
     if (has(FEATURE_CLEARCOAT)) {
         b.coat = coatAt(m, wo);
@@ -121,54 +146,60 @@ Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
         b.sheen = sheenAt(m, wo);
         b.below *= 1.0 - sheenAlbedo(b.sheen, wo);
     }
-    if (has(FEATURE_SPECULAR) && b.albedoTable != NO_INDEX) {
-        float through = 1.0 - interfaceAlbedo(b, wo.z);
-        through /= max(1.0 - averageReflectionAlbedo(b.albedoTable, b.alpha), 1e-4);
-        b.diffuse.front *= through;
-        if (has(FEATURE_DIFFUSE_TRANSMISSION)) b.diffuse.back *= through;
-    }
+    setInterface(b, wo, frontFace);
     setChances(b, wo);
     return b;
 }
 
 vec3 mirrored(vec3 w) { return vec3(w.xy, -w.z); }
 
-bool transmits(Bsdf b) { return has(FEATURE_TRANSMISSION) && b.transmission > 0.0; }
-
 // Rough reflection and transmission; adds to pdf what the facets' lobe has there.
 vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
     if (wi.z > 0.0) {
         vec3 h = normalize(wo + wi);
         float cosTheta = dot(wo, h);
-        pdf += b.facetChance * reflectChance(b, cosTheta) * reflectionPdf(h, wo, wi, b.alpha);
-        return fresnel(b, cosTheta) * reflectionEval(h, wo, wi, b.alpha);
+        pdf += b.facetChance * reflectChance(b.face, cosTheta) * reflectionPdf(b.facets, h, wo, wi);
+        return reflectance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, wi);
     }
-    if (!transmits(b)) return vec3(0);
-    vec3 h = b.thin ? normalize(wo + mirrored(wi)) : refractionHalfVector(wo, wi, b.eta);
+    if (!transmits(b.face)) return vec3(0);
+    vec3 h = b.face.thin ? normalize(wo + mirrored(wi)) : refractionHalfVector(wo, wi, b.face.eta);
     float cosTheta = dot(wo, h);
-    float chance = b.facetChance * (1.0 - reflectChance(b, cosTheta));
-    vec3 colour = b.baseColor * transmittance(b, cosTheta);
-    if (b.thin) {
-        pdf += chance * reflectionPdf(h, wo, mirrored(wi), b.alpha);
-        return colour * reflectionEval(h, wo, mirrored(wi), b.alpha);
+    float chance = b.facetChance * (1.0 - reflectChance(b.face, cosTheta));
+    vec3 colour = b.face.baseColor * transmittance(b.face, cosTheta);
+    if (b.face.thin) {
+        pdf += chance * reflectionPdf(b.facets, h, wo, mirrored(wi));
+        return colour * reflectionEval(b.facets, h, wo, mirrored(wi));
     }
-    pdf += chance * transmissionPdf(h, wo, wi, b.alpha, b.eta);
-    return colour * transmissionEval(h, wo, wi, b.alpha, b.eta);
+    pdf += chance * transmissionPdf(b.facets, h, wo, wi, b.face.eta);
+    return colour * transmissionEval(b.facets, h, wo, wi, b.face.eta);
+}
+
+// The lobes that cosine lobes sample, on either side.
+vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
+    vec3 f = vec3(0);
+    vec2 albedos = has(FEATURE_SPECULAR) ? albedosAt(b, abs(wi.z)) : vec2(0);
+    bool lit = true;
+    if (wi.z > 0.0) {
+        f = diffuseFrontEval(b.diffuse, wo, wi);
+        pdf = b.frontChance * cosinePdf(wi);
+    } else if (hasBack() && b.backChance > 0.0) {
+        if (has(FEATURE_DIFFUSE_TRANSMISSION)) f = diffuseBackEval(b.diffuse, wo, wi);
+        pdf = b.backChance * cosinePdf(wi);
+    } else {
+        lit = false;
+    }
+    if (has(FEATURE_SPECULAR) && lit && b.albedoTable != NO_INDEX) {
+        f *= max(couplingAt(b.compensation.coupling, albedos), 0.0);
+        if (hasMultiple() && b.compensation.multiple.present)
+            f += multipleEval(b.compensation.multiple, b.face, b.alpha, wi, albedos);
+    }
+    return f;
 }
 
 // All rough lobes at once; pdf as bsdfSample has it.
 vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
-    vec3 f = vec3(0);
     pdf = 0.0;
-    if (wi.z > 0.0) {
-        f = diffuseFrontEval(b.diffuse, wo, wi);
-        pdf = b.frontChance * cosinePdf(wi);
-        if (has(FEATURE_SPECULAR)) f *= 1.0 - interfaceAlbedo(b, wi.z);
-    } else if (has(FEATURE_DIFFUSE_TRANSMISSION) && b.backChance > 0.0) {
-        f = diffuseBackEval(b.diffuse, wo, wi);
-        pdf = b.backChance * cosinePdf(wi);
-        if (has(FEATURE_SPECULAR)) f *= 1.0 - interfaceAlbedo(b, -wi.z);
-    }
+    vec3 f = broadEval(b, wo, wi, pdf);
     if (has(FEATURE_SPECULAR) && !b.mirror && b.facetChance > 0.0) f += facetsEval(b, wo, wi, pdf);
     if (hasLayers()) f *= b.below;
     if (hasSheen() && b.sheenChance > 0.0 && wi.z > 0.0) {
@@ -186,7 +217,7 @@ vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
 bool sampleFacet(Bsdf b, vec3 wo, vec3 h, bool reflects, out vec3 wi) {
     wi = reflectionSample(wo, h);
     if (reflects) return wi.z > 0.0;
-    if (!b.thin) return transmissionSample(wo, h, b.eta, wi);
+    if (!b.face.thin) return transmissionSample(wo, h, b.face.eta, wi);
     wi = mirrored(wi);
     return wi.z < 0.0;
 }
@@ -201,14 +232,17 @@ bool deltaSample(vec3 weight, inout BsdfSample s) {
 // `pick`: what is left of the number that chose the lobe; it decides between reflecting and transmitting.
 // True: s is complete or, where it is not a delta, lacks weight and pdf.
 bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
-    vec3 h = b.mirror ? vec3(0, 0, 1) : ggxSampleVisible(wo, b.alpha, u);
+    vec3 h = b.mirror ? vec3(0, 0, 1) : facetSample(b.facets, wo, u);
     float cosTheta = dot(wo, h);
-    float chance = reflectChance(b, cosTheta);
-    bool reflects = pick < chance * b.facetChance;
+    // Distributions that do not know wo also give facets that it does not see.
+    if (!(cosTheta > 0.0)) return false;
+    float chance = reflectChance(b.face, cosTheta);
+    // The chances' rounding must not choose what cannot be.
+    bool reflects = pick < chance * b.facetChance || chance >= 1.0;
     if (!sampleFacet(b, wo, h, reflects, s.wi)) return false;
     if (!b.mirror) return true;
-    vec3 colour = reflects ? fresnel(b, cosTheta) : b.baseColor * transmittance(b, cosTheta);
-    if (!reflects && !b.thin) colour /= b.eta * b.eta;
+    vec3 colour = reflects ? reflectance(b.face, cosTheta) : b.face.baseColor * transmittance(b.face, cosTheta);
+    if (!reflects && !b.face.thin) colour /= b.face.eta * b.face.eta;
     if (hasLayers()) colour *= b.below;
     return deltaSample(colour / (b.facetChance * (reflects ? chance : 1.0 - chance)), s);
 }
@@ -228,10 +262,10 @@ bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
     if (pick >= 0.0) {
         float sheen = hasSheen() ? b.sheenChance : 0.0;
         float cosine = sheen + b.frontChance;
-        float back = has(FEATURE_DIFFUSE_TRANSMISSION) ? b.backChance : 0.0;
-        if (!has(FEATURE_SPECULAR) && !has(FEATURE_DIFFUSE_TRANSMISSION) || pick < cosine) {
+        float back = hasBack() ? b.backChance : 0.0;
+        if (!has(FEATURE_SPECULAR) && !hasBack() || pick < cosine) {
             s.wi = hasSheen() && pick < sheen ? sheenSample(b.sheen, u.yz) : cosineHemisphere(u.yz);
-        } else if (has(FEATURE_DIFFUSE_TRANSMISSION) && (!has(FEATURE_SPECULAR) || pick < cosine + back)) {
+        } else if (hasBack() && (!has(FEATURE_SPECULAR) || pick < cosine + back)) {
             s.wi = mirrored(cosineHemisphere(u.yz));
         } else if (has(FEATURE_SPECULAR)) {
             if (!sampleFacets(b, wo, pick - cosine - back, u.yz, s)) return false;

@@ -23,16 +23,16 @@ bool refractionPossible(vec3 h, vec3 wo, vec3 wi) {
 }
 
 // BSDF times cosine, 1/sr.
-float transmissionEval(vec3 h, vec3 wo, vec3 wi, float alpha, float eta) {
+float transmissionEval(Facets f, vec3 h, vec3 wo, vec3 wi, float eta) {
     if (!refractionPossible(h, wo, wi)) return 0.0;
-    float cosine = 4.0 * dot(wo, h) * ggxVisibility(wo, wi, alpha) * abs(wi.z);
-    return ggxD(h, alpha) * cosine * refractionJacobian(h, wo, wi, eta) / (eta * eta);
+    float cosine = 4.0 * dot(wo, h) * facetVisibility(f, wo, wi) * abs(wi.z);
+    return facetD(f, h) * cosine * refractionJacobian(h, wo, wi, eta) / (eta * eta);
 }
 
 // Solid-angle pdf of wi, 1/sr.
-float transmissionPdf(vec3 h, vec3 wo, vec3 wi, float alpha, float eta) {
+float transmissionPdf(Facets f, vec3 h, vec3 wo, vec3 wi, float eta) {
     if (!refractionPossible(h, wo, wi)) return 0.0;
-    return ggxVisiblePdf(wo, h, alpha) * refractionJacobian(h, wo, wi, eta);
+    return facetPdf(f, wo, h) * refractionJacobian(h, wo, wi, eta);
 }
 
 // Refracts wo at h; false beyond the critical angle.

@@ -20,6 +20,18 @@ BsdfQuery query(const ProbeMaterial& material, const glm::vec3& wo, const glm::v
     return result;
 }
 
+constexpr size_t kTableTexels = gpu::ALBEDO_TABLE_SIZE * (gpu::ALBEDO_TABLE_SIZE + 1);
+
+InterfaceKind kindOf(const ProbeMaterial& m) {
+    const auto flags = static_cast<uint32_t>(m.flags);
+    InterfaceKind kind{.ior = m.ior};
+    if ((flags & gpu::MATERIAL_BECKMANN) != 0) kind.microfacets = Microfacets::beckmann;
+    if ((flags & gpu::MATERIAL_PHONG) != 0) kind.microfacets = Microfacets::phong;
+    if ((flags & gpu::MATERIAL_SCHLICK) != 0) kind.fresnel = Fresnel::schlick;
+    kind.solid = m.transmission > 0 && (flags & gpu::MATERIAL_THIN) == 0;
+    return kind;
+}
+
 std::vector<gpu::TexelBuffer> makeTexels(const gpu::Device& device, const std::vector<glm::vec4>& tables) {
     std::vector<gpu::TexelBuffer> texels;
     for (uint32_t binding = 0; binding < gpu::BINDING_PARAMETERS; ++binding) {
@@ -57,7 +69,7 @@ gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device, uint64_t
 }
 
 float BsdfProbe::tableFor(float key, const std::function<std::vector<glm::vec4>()>& build) {
-    const auto [at, isNew] = tableOf_.try_emplace(key, static_cast<float>(tableOf_.size()));
+    const auto [at, isNew] = tableOf_.try_emplace(key, static_cast<float>(tables_.size() / kTableTexels));
     if (isNew) {
         const auto table = build();
         tables_.insert(tables_.end(), table.begin(), table.end());
@@ -71,14 +83,19 @@ void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
     for (BsdfQuery& q : queries) {
         ProbeMaterial material;
         std::memcpy(static_cast<void*>(&material), q.material, sizeof material);
-        const auto reflection = [&](float ior) {
-            return tableFor(ior, [=] { return buildAlbedoTable(ior); });
-        };
-        if (material.ior != 1 || material.metallic != 0 || material.transmission != 0)
-            material.albedoTable = reflection(material.ior);
+        if (material.ior != 1 || material.metallic != 0 || material.transmission != 0) {
+            const auto [at, isNew] = tableOfInterface_.try_emplace(
+                kindOf(material), static_cast<float>(tables_.size() / kTableTexels));
+            if (isNew) {
+                const auto& tables = interfaceTables(at->first);
+                tables_.insert(tables_.end(), tables.begin(), tables.end());
+            }
+            material.albedoTable = at->second;
+        }
         const bool gtr1 = (static_cast<uint32_t>(material.flags) & gpu::MATERIAL_GTR1) != 0;
         if (material.clearcoat > 0)
-            material.coatTable = gtr1 ? tableFor(kGtr1Table, buildGtr1Table) : reflection(1.5f);
+            material.coatTable = gtr1 ? tableFor(kGtr1Table, buildGtr1Table)
+                                      : tableFor(1.5f, [] { return buildAlbedoTable(1.5); });
         if (material.sheenColor != glm::vec3(0)) material.sheenTable = tableFor(kSheenTable, buildSheenTable);
         std::memcpy(q.material, &material, sizeof material);
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/shader/bsdf_probe.h"
+#include "worker/render/albedo_table.h"
 #include "worker/vk/buffer.h"
 #include "worker/vk/pipeline.h"
 
@@ -56,7 +57,8 @@ private:
 
     const gpu::Device& device_;
     gpu::ComputePipeline pipeline_;
-    std::map<float, float> tableOf_;  // by index of refraction
+    std::map<InterfaceKind, float> tableOfInterface_;
+    std::map<float, float> tableOf_;  // those of layers: by index of refraction
     std::vector<glm::vec4> tables_;
     std::vector<gpu::TexelBuffer> texels_;
 };

@@ -1,104 +1,181 @@
 #include "worker/render/albedo_table.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <numbers>
+#include <map>
+#include <mutex>
 
 #include "shaders/gpu_types.h"
+#include "worker/render/host_facets.h"
 
 namespace tilefarm {
 namespace {
 
-constexpr int kSize = static_cast<int>(gpu::ALBEDO_TABLE_SIZE);
-constexpr int kStrata = 24;  // per dimension of the quadrature
+constexpr size_t kSize = gpu::ALBEDO_TABLE_SIZE;
+// Points of the quadrature: a Fibonacci lattice, which resolves edges in either dimension (light that
+// leaves below the horizon, the critical angle) as finely as its number of points.
+constexpr int kPoints = 987, kStep = 610;
 
-double fresnelDielectric(double cosTheta, double eta) {
-    const double cosSquaredT = 1 - (1 - cosTheta * cosTheta) / (eta * eta);
-    if (cosSquaredT <= 0) return 1;
-    const double cosT = std::sqrt(cosSquaredT);
-    const double parallel = (eta * cosTheta - cosT) / (eta * cosTheta + cosT);
-    const double perpendicular = (cosTheta - eta * cosT) / (cosTheta + eta * cosT);
-    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
-}
+using Row = std::array<double, kSize>;
 
-double stretch(const glm::dvec3& w, double alpha) {
-    return std::sqrt(w.z * w.z + alpha * alpha * (w.x * w.x + w.y * w.y));
-}
+/// An albedo at the table's points, and its averages 2 ∫ E cosθ dcosθ.
+struct Grid {
+    std::array<Row, kSize> rows{};
+    Row averages{};
+};
 
-// As ggxSampleVisible in shaders/bsdf/ggx.glsl.
-glm::dvec3 visibleNormal(const glm::dvec3& wo, double alpha, double u, double v) {
-    const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * wo.x, alpha * wo.y, wo.z));
-    const double phi = 2 * std::numbers::pi * u;
-    const double z = (1 - v) * (1 + stretched.z) - stretched.z;
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    const glm::dvec3 h = glm::dvec3(r * std::cos(phi), r * std::sin(phi), z) + stretched;
-    return glm::normalize(glm::dvec3(alpha * h.x, alpha * h.y, std::max(h.z, 1e-300)));
-}
-
-double sampleWeight(const glm::dvec3& wo, double alpha, double ior, double u, double v) {
-    const glm::dvec3 h = visibleNormal(wo, alpha, u, v);
-    const glm::dvec3 wi = 2 * glm::dot(wo, h) * h - wo;
-    if (wi.z <= 0) return 0;
-    const double so = stretch(wo, alpha), si = stretch(wi, alpha);
-    const double shadowing = wi.z * (wo.z + so) / (wo.z * si + wi.z * so);
-    return fresnelDielectric(glm::dot(wo, h), ior) * shadowing;
-}
-
-// 2 ∫ E cosθ dcosθ with cosθ = x², over the linear interpolant that the shader sees.
-double averageOf(const std::vector<double>& row) {
+// With cosθ = x², over the linear interpolant that the shader sees.
+double averageOf(const Row& row) {
     constexpr int kSteps = 1024;
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {
         const double x = (i + 0.5) / kSteps, at = x * (kSize - 1);
-        const int cell = std::min(static_cast<int>(at), kSize - 2);
-        const double f = at - cell;
-        sum += (row[static_cast<size_t>(cell)] * (1 - f) + row[static_cast<size_t>(cell) + 1] * f) * 4 * x *
-               x * x;
+        const size_t cell = std::min(static_cast<size_t>(at), kSize - 2);
+        const double f = at - static_cast<double>(cell);
+        sum += (row[cell] * (1 - f) + row[cell + 1] * f) * 4 * x * x * x;
     }
     return sum / kSteps;
 }
 
-}  // namespace
-
-double reflectionAlbedo(double cosTheta, double alpha, double ior) {
-    if (ior == 1) return 0;
-    const double z = std::clamp(cosTheta, 1e-6, 1.0);
-    const glm::dvec3 wo(std::sqrt(1 - z * z), 0, z);
-    if (alpha == 0) return fresnelDielectric(z, ior);
-    double sum = 0;
-    for (int i = 0; i < kStrata; ++i)
-        for (int j = 0; j < kStrata; ++j)
-            sum += sampleWeight(wo, alpha, ior, (i + 0.5) / kStrata, (j + 0.5) / kStrata);
-    return sum / (kStrata * kStrata);
+double cosineOf(size_t column) {
+    const double root = static_cast<double>(column) / (kSize - 1);
+    return root * root;
 }
 
-std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo) {
-    std::vector<std::vector<double>> rows(kSize, std::vector<double>(kSize));
-    std::vector<double> averages(kSize);
-    for (size_t y = 0; y < kSize; ++y) {
-        const double roughness = static_cast<double>(y) / (kSize - 1);
-        for (size_t x = 0; x < kSize; ++x) {
-            const double root = static_cast<double>(x) / (kSize - 1);
-            rows[y][x] = albedo(root * root, roughness);
-        }
-        averages[y] = averageOf(rows[y]);
-    }
+double roughnessOf(size_t row) {
+    return static_cast<double>(row) / (kSize - 1);
+}
+
+/// A texel: the values at (x, y) and its neighbours, through `value(y, x)`; then the averages.
+template <typename Value, typename Average>
+std::vector<glm::vec4> texelsOf(const Value& value, const Average& average) {
     std::vector<glm::vec4> texels;
     texels.reserve(kSize * (kSize + 1));
     for (size_t y = 0; y < kSize; ++y)
         for (size_t x = 0; x < kSize; ++x) {
-            const size_t x1 = std::min<size_t>(x + 1, kSize - 1), y1 = std::min<size_t>(y + 1, kSize - 1);
-            texels.emplace_back(rows[y][x], rows[y][x1], rows[y1][x], rows[y1][x1]);
+            const size_t x1 = std::min(x + 1, kSize - 1), y1 = std::min(y + 1, kSize - 1);
+            texels.emplace_back(value(y, x), value(y, x1), value(y1, x), value(y1, x1));
         }
     for (size_t x = 0; x < kSize; ++x)
-        texels.emplace_back(averages[x], averages[std::min<size_t>(x + 1, kSize - 1)], 0, 0);
+        texels.emplace_back(average(x), average(std::min(x + 1, kSize - 1)), average(x), average(x));
     return texels;
+}
+
+// Undone by firstOfPairs and secondOfPairs of shaders/bsdf/albedo_table.glsl.
+float packPair(double first, double second) {
+    const auto low = static_cast<uint32_t>(std::lround(std::clamp(first, 0.0, 1.0) * 65535));
+    const auto high = static_cast<uint32_t>(std::lround(std::clamp(second, 0.0, 1.0) * 32256)) + 128;
+    return std::bit_cast<float>(high << 16 | low);
+}
+
+void appendPairs(std::vector<glm::vec4>& tables, const Grid& first, const Grid& second) {
+    const auto texels =
+        texelsOf([&](size_t y, size_t x) { return packPair(first.rows[y][x], second.rows[y][x]); },
+                 [&](size_t x) { return packPair(first.averages[x], second.averages[x]); });
+    tables.insert(tables.end(), texels.begin(), texels.end());
+}
+
+double fresnelOf(const InterfaceKind& kind, double cosTheta, double eta) {
+    if (kind.ior == 0) return std::pow(1 - cosTheta, 5);
+    return kind.fresnel == Fresnel::schlick ? fresnelSchlick(cosTheta, eta)
+                                            : fresnelDielectric(cosTheta, eta);
+}
+
+void addRefracted(InterfaceAlbedos& sum, const InterfaceKind& kind, const HostFacets& facets,
+                  const glm::dvec3& wo, const glm::dvec3& h, double reflected) {
+    const double ior = kind.ior == 0 ? 1.5 : double{kind.ior};
+    for (const int side : {0, 1}) {
+        const double eta = side == 0 ? ior : 1 / ior;
+        glm::dvec3 wi;
+        if (!refracted(wo, h, eta, wi)) {
+            const bool total = 1 - (1 - glm::dot(wo, h) * glm::dot(wo, h)) / (eta * eta) <= 0;
+            const double f = total ? 1 : fresnelOf(kind, glm::dot(wo, h), eta);
+            sum.both[side] += f * reflected;
+            if (total) sum.clear[side] += reflected;
+            continue;
+        }
+        const double f = fresnelOf(kind, glm::dot(wo, h), eta), across = facets.weight(wo, wi, h);
+        sum.both[side] += f * reflected + (1 - f) * across;
+        sum.clear[side] += across;
+    }
+}
+
+std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
+    std::vector<Grid> grids(6);
+    for (size_t y = 0; y < kSize; ++y) {
+        for (size_t x = 0; x < kSize; ++x) {
+            const InterfaceAlbedos e = interfaceAlbedos(cosineOf(x), roughnessOf(y) * roughnessOf(y), kind);
+            const double values[]{e.reflected, e.all, e.both[0], e.clear[0], e.both[1], e.clear[1]};
+            for (size_t i = 0; i < grids.size(); ++i) grids[i].rows[y][x] = values[i];
+        }
+        for (Grid& grid : grids) grid.averages[y] = averageOf(grid.rows[y]);
+    }
+    std::vector<glm::vec4> tables;
+    appendPairs(tables, grids[0], grids[1]);
+    if (kind.solid) {
+        appendPairs(tables, grids[2], grids[3]);
+        appendPairs(tables, grids[4], grids[5]);
+    }
+    return tables;
+}
+
+}  // namespace
+
+InterfaceAlbedos interfaceAlbedos(double cosTheta, double alpha, const InterfaceKind& kind) {
+    const double z = std::clamp(cosTheta, 1e-6, 1.0), ior = kind.ior;
+    const glm::dvec3 wo(std::sqrt(1 - z * z), 0, z);
+    // A roughness of 0 is the limit of small ones; a single normal, then.
+    const HostFacets facets{kind.microfacets, std::max(alpha, 1e-9)};
+    const int points = alpha == 0 ? 1 : kPoints;
+    InterfaceAlbedos sum;
+    for (int i = 0; i < points; ++i) {
+        const glm::dvec3 h =
+            alpha == 0 ? glm::dvec3(0, 0, 1)
+                       : facets.sample(wo, double(i * kStep % kPoints) / kPoints, (i + 0.5) / kPoints);
+        const double cosine = glm::dot(wo, h);
+        if (cosine <= 0) continue;
+        const glm::dvec3 wi = 2 * cosine * h - wo;
+        const double reflected = wi.z > 0 ? facets.weight(wo, wi, h) : 0;
+        sum.all += reflected;
+        sum.reflected += ior == 1 ? 0 : fresnelOf(kind, cosine, ior) * reflected;
+        if (kind.solid) addRefracted(sum, kind, facets, wo, h, reflected);
+    }
+    const double n = points;
+    return {sum.reflected / n,
+            sum.all / n,
+            {sum.both[0] / n, sum.both[1] / n},
+            {sum.clear[0] / n, sum.clear[1] / n}};
+}
+
+double reflectionAlbedo(double cosTheta, double alpha, double ior) {
+    return interfaceAlbedos(cosTheta, alpha, {.ior = static_cast<float>(ior)}).reflected;
+}
+
+std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo) {
+    Grid grid;
+    for (size_t y = 0; y < kSize; ++y) {
+        for (size_t x = 0; x < kSize; ++x) grid.rows[y][x] = albedo(cosineOf(x), roughnessOf(y));
+        grid.averages[y] = averageOf(grid.rows[y]);
+    }
+    return texelsOf([&](size_t y, size_t x) { return static_cast<float>(grid.rows[y][x]); },
+                    [&](size_t x) { return static_cast<float>(grid.averages[x]); });
 }
 
 std::vector<glm::vec4> buildAlbedoTable(double ior) {
     return tabulateAlbedo([&](double cosTheta, double roughness) {
         return reflectionAlbedo(cosTheta, roughness * roughness, ior);
     });
+}
+
+const std::vector<glm::vec4>& interfaceTables(const InterfaceKind& kind) {
+    static std::mutex mutex;
+    static std::map<InterfaceKind, std::vector<glm::vec4>> known;
+    const std::lock_guard lock(mutex);
+    std::vector<glm::vec4>& tables = known[kind];
+    if (tables.empty()) tables = buildInterfaceTables(kind);
+    return tables;
 }
 
 }  // namespace tilefarm

@@ -95,7 +95,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     times.bvhSeconds = secondsSince(start);
 
     TexturePacker textures(scene);
-    MaterialPacker materials(textures);
+    MaterialPacker materials(textures, settings);
     const std::vector<bool> used = usedMaterials(scene, world);
     for (size_t i = 0; i < scene.materials.size(); ++i) materials.add(scene.materials[i], used[i]);
     for (size_t i = 0; i < world.lightMaterials.size(); ++i)

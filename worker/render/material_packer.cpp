@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/render/albedo_table.h"
+#include "worker/render/interface_packer.h"
 #include "worker/render/layer_packer.h"
 #include "worker/render/layer_tables.h"
 
@@ -24,30 +25,29 @@ uint32_t flagsOf(const Material& m) {
     return flags | layerFlags(m);
 }
 
-// A texture can only lower roughness and metallic, so with one any lower value may occur.
-uint64_t lobesOf(const Material& m) {
-    uint64_t features = 0;
-    const bool reflects = m.metallic > 0 || m.ior != 1;
-    if (m.transmission > 0) features |= gpu::bit(gpu::FEATURE_TRANSMISSION) | gpu::bit(gpu::FEATURE_SPECULAR);
-    if (reflects) features |= gpu::bit(gpu::FEATURE_SPECULAR);
-    const bool smooth =
-        m.metallicRoughnessTexture || m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
-    if ((features & gpu::bit(gpu::FEATURE_SPECULAR)) != 0 && smooth)
-        features |= gpu::bit(gpu::FEATURE_MIRROR);
+uint64_t lobesOf(const Material& m, const RenderSettings& settings) {
+    uint64_t features = interfaceFeatures(m, settings);
     if ((m.transmission > 0 || m.diffuseTransmission > 0) && m.thickness > 0 &&
         absorptionCoefficient(m.attenuationColor, m.attenuationDistance) != glm::vec3(0))
         features |= gpu::bit(gpu::FEATURE_ATTENUATION);
     return features | layerFeatures(m);
 }
 
-uint64_t featuresOf(const Material& m) {
-    uint64_t features = m.unlit ? gpu::bit(gpu::FEATURE_UNLIT) : lobesOf(m);
-    if (m.baseColorTexture || (!m.unlit && (m.metallicRoughnessTexture || m.emissionTexture ||
-                                            m.transmissionTexture || hasLayerTextures(m))))
-        features |= gpu::bit(gpu::FEATURE_TEXTURES);
+uint64_t featuresOf(const Material& m, const RenderSettings& settings) {
+    uint64_t features = m.unlit ? gpu::bit(gpu::FEATURE_UNLIT) : lobesOf(m, settings);
+    if (!m.unlit && hasLayerTextures(m)) features |= gpu::bit(gpu::FEATURE_TEXTURES);
     if (m.normalTexture && !m.unlit) features |= gpu::bit(gpu::FEATURE_NORMAL_MAPS);
     if (m.alphaMode != AlphaMode::opaque) features |= gpu::bit(gpu::FEATURE_CUTOUT);
     return features;
+}
+
+/// Whether the record reads any texture but a normal map.
+bool readsTextures(const gpu::MaterialRecord& r) {
+    for (const uint32_t texture : {r.baseColorTexture, r.metallicRoughnessTexture, r.emissionTexture,
+                                   r.transmissionTexture, r.specularTexture, r.specularColorTexture,
+                                   r.anisotropyTexture, r.iridescenceTexture, r.iridescenceThicknessTexture})
+        if (texture != gpu::NO_INDEX) return true;
+    return false;
 }
 
 }  // namespace
@@ -60,14 +60,16 @@ glm::vec3 absorptionCoefficient(const glm::vec3& color, float distance) {
     return sigma;
 }
 
-uint32_t MaterialPacker::albedoTableFor(float ior) {
-    const auto [at, isNew] = tableOfIor_.try_emplace(ior, 0);
-    if (isNew) at->second = addTable(buildAlbedoTable(ior));
+uint32_t MaterialPacker::tablesFor(const Material& material) {
+    const InterfaceKind kind = interfaceKind(material, settings_);
+    const auto [at, isNew] = tableOfInterface_.try_emplace(kind, 0);
+    if (isNew) at->second = addTable(interfaceTables(kind));
     return at->second;
 }
 
 uint32_t MaterialPacker::addTable(const std::vector<glm::vec4>& table) {
-    const auto index = static_cast<uint32_t>(albedoTables.size() / table.size());
+    constexpr size_t kTexels = gpu::ALBEDO_TABLE_SIZE * (gpu::ALBEDO_TABLE_SIZE + 1);
+    const auto index = static_cast<uint32_t>(albedoTables.size() / kTexels);
     albedoTables.insert(albedoTables.end(), table.begin(), table.end());
     return index;
 }
@@ -77,7 +79,8 @@ void MaterialPacker::bindLayerTables(gpu::MaterialRecord& record, const Material
         if (!gtr1Table_) gtr1Table_ = addTable(buildGtr1Table());
         record.coatTable = *gtr1Table_;
     } else if (m.clearcoat > 0) {
-        record.coatTable = albedoTableFor(1.5f);
+        if (!coatTable_) coatTable_ = addTable(buildAlbedoTable(1.5));
+        record.coatTable = *coatTable_;
     }
     if (m.sheenColor != glm::vec3(0)) {
         if (!sheenTable_) sheenTable_ = addTable(buildSheenTable());
@@ -91,7 +94,6 @@ void MaterialPacker::bindTextures(gpu::MaterialRecord& record, const Material& m
     record.metallicRoughnessTexture = textures_.add(m.metallicRoughnessTexture);
     record.normalTexture = textures_.add(m.normalTexture);
     if (m.emission != glm::vec3(0)) record.emissionTexture = textures_.add(m.emissionTexture);
-    if (m.transmission > 0) record.transmissionTexture = textures_.add(m.transmissionTexture);
     bindLayerTextures(m, record, [&](const TextureRef& t) { return textures_.add(t); });
 }
 
@@ -101,12 +103,9 @@ gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
     record.alpha = m.alpha;
     record.emission = m.emission;
     record.alphaCutoff = m.alphaCutoff;
-    record.metallic = m.metallic;
-    record.roughness = m.roughness;
     record.normalScale = m.normalScale;
-    record.ior = m.ior;
-    record.transmission = m.transmission;
     record.flags = flagsOf(m);
+    packInterface(record, m, settings_);
     record.albedoTable = gpu::NO_INDEX;
     record.absorption =
         m.thickness > 0 ? absorptionCoefficient(m.attenuationColor, m.attenuationDistance) : glm::vec3(0);
@@ -124,12 +123,12 @@ gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
 void MaterialPacker::add(const Material& material, bool used) {
     gpu::MaterialRecord record = pack(material);
     if (used) {
-        const uint64_t called = featuresOf(material);
-        features |= called;
-        if ((called & gpu::bit(gpu::FEATURE_SPECULAR)) != 0)
-            record.albedoTable = albedoTableFor(material.ior);
+        const uint64_t called = featuresOf(material, settings_);
+        if ((called & gpu::bit(gpu::FEATURE_SPECULAR)) != 0) record.albedoTable = tablesFor(material);
         if (!material.unlit) bindLayerTables(record, material);
         bindTextures(record, material);
+        bindInterfaceTextures(record, material, called, textures_);
+        features |= called | (readsTextures(record) ? gpu::bit(gpu::FEATURE_TEXTURES) : 0);
     }
     records.push_back(record);
 }

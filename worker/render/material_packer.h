@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "shaders/gpu_types.h"
+#include "shared/job/job.h"
+#include "worker/render/albedo_table.h"
 #include "worker/render/texture_packer.h"
 #include "worker/scene/scene.h"
 
@@ -13,25 +15,28 @@ namespace tilefarm {
 /// Turns materials into the records that shaders/material.glsl reads.
 class MaterialPacker {
 public:
-    explicit MaterialPacker(TexturePacker& textures) : textures_(textures) {}
+    /// Materials without a distribution or Fresnel term of their own take those of `settings`.
+    explicit MaterialPacker(TexturePacker& textures, const RenderSettings& settings = {})
+        : textures_(textures), settings_(settings) {}
 
     /// `used`: some triangle has the material; only then do its effects and textures count.
     void add(const Material& material, bool used);
 
     std::vector<gpu::MaterialRecord> records;
-    std::vector<glm::vec4> albedoTables;  // one table per index of refraction, and those of the layers
+    std::vector<glm::vec4> albedoTables;  // one after another: those of InterfaceKinds, and those of the layers
     uint64_t features = 0;                // FEATURE_* that the used materials call for
 
 private:
-    uint32_t albedoTableFor(float ior);
+    uint32_t tablesFor(const Material& material);
     uint32_t addTable(const std::vector<glm::vec4>& table);
     void bindLayerTables(gpu::MaterialRecord& record, const Material& material);
     gpu::MaterialRecord pack(const Material& material);
     void bindTextures(gpu::MaterialRecord& record, const Material& material);
 
     TexturePacker& textures_;
-    std::map<float, uint32_t> tableOfIor_;
-    std::optional<uint32_t> gtr1Table_, sheenTable_;
+    RenderSettings settings_;
+    std::map<InterfaceKind, uint32_t> tableOfInterface_;
+    std::optional<uint32_t> coatTable_, gtr1Table_, sheenTable_;
 };
 
 /// σ_a = −ln(colour) / distance per channel, 1/m: zero for an infinite distance; a colour of zero

@@ -125,8 +125,8 @@ bool Meshes::isSkinned(uint32_t index) {
                                  [](const Part& part) { return bool(part.raw.influences); });
 }
 
-/// Everything after reading: default material, repairs, tangents where a normal map wants them. Gives the
-/// number of triangles left out.
+/// Everything after reading: default material, repairs, tangents where a normal map or anisotropy wants them.
+/// Gives the number of triangles left out.
 uint64_t Meshes::finish(Mesh& mesh) {
     if (mesh.material == kNone) {
         mesh.material = static_cast<uint32_t>(load_.scene.materials.size() - 1);
@@ -138,7 +138,8 @@ uint64_t Meshes::finish(Mesh& mesh) {
     const Material& material = load_.scene.materials[mesh.material];
     const TextureRef& normalTexture =
         material.normalTexture ? material.normalTexture : material.clearcoatNormalTexture;
-    if (!normalTexture) {
+    const bool wanted = normalTexture || material.anisotropy > 0;
+    if (!wanted) {
         mesh.tangents.clear();
     } else if (mesh.normals.empty()) {
         mesh.tangents.clear();  // without normals, glTF has the file's tangents ignored
@@ -147,8 +148,9 @@ uint64_t Meshes::finish(Mesh& mesh) {
     dropUnusedVertices(mesh);
     if (!mesh.tangents.empty()) {
         repairTangents(mesh);
-    } else if (normalTexture) {
-        generateTangents(mesh, normalTexture);
+    } else if (wanted) {
+        // Without a texture that says otherwise the tangent follows u of the first set.
+        generateTangents(mesh, normalTexture ? normalTexture : material.anisotropyTexture);
     }
     return dropped;
 }

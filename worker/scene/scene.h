@@ -116,7 +116,7 @@ struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;   // empty: flat
-    std::vector<glm::vec4> tangents;  // MikkTSpace; w is the handedness; only where a normal map needs them
+    std::vector<glm::vec4> tangents;  // MikkTSpace; w is the handedness; for normal maps and anisotropy
     std::vector<glm::vec2> uv0, uv1;
     std::vector<glm::vec4> colors;  // linear, multiply the base colour and alpha
     std::vector<glm::uvec3> triangles;

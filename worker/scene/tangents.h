@@ -4,7 +4,7 @@
 
 namespace tilefarm {
 
-/// Gives a mesh with normals the tangents that `normalTexture` asks for. Vertices whose corners differ are
+/// Gives a mesh with normals the tangents that `normalTexture` asks for (none: along u of set 0). Vertices whose corners differ are
 /// split. Texture coordinates are taken as the texture is read, transform included; v points down in glTF,
 /// and the bitangent up in the image.
 void generateTangents(Mesh& mesh, const TextureRef& normalTexture);

@@ -62,7 +62,8 @@ TEST(LayerPacker, MetalsHaveNoDiffuseBase) {
     Material metal = matte();
     metal.metallic = 1;
     metal.orenNayarSigma = metal.diffuseTransmission = metal.disneySheen = 1;
-    EXPECT_EQ(pack(metal).features, gpu::bit(gpu::FEATURE_SPECULAR));
+    EXPECT_EQ(pack(metal).features,
+              gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION));
     metal.metallicRoughnessTexture = texture();  // may leave parts that are not metal
     EXPECT_NE(pack(metal).features & gpu::bit(gpu::FEATURE_OREN_NAYAR), 0u);
 }

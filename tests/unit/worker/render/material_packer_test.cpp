@@ -50,12 +50,15 @@ TEST(MaterialPacker, CallsForNothingThatAMatteSurfaceLacks) {
 TEST(MaterialPacker, CallsForReflectionOnlyWhereThereIsSome) {
     Material metal = matte();
     metal.metallic = 1;
-    EXPECT_EQ(featuresOf(metal), gpu::bit(gpu::FEATURE_SPECULAR));
+    const uint64_t rough = gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);
+    EXPECT_EQ(featuresOf(metal), rough);
     metal.roughness = 0;
     EXPECT_EQ(featuresOf(metal), gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_MIRROR));
     Material plastic = matte();
     plastic.ior = 1.5f;
-    EXPECT_EQ(featuresOf(plastic), gpu::bit(gpu::FEATURE_SPECULAR));
+    EXPECT_EQ(featuresOf(plastic), rough);
+    plastic.specular = 0;
+    EXPECT_EQ(featuresOf(plastic), 0u);
 }
 
 TEST(MaterialPacker, CallsForAttenuationOnlyInsideColouredSolids) {

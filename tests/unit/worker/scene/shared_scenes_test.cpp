@@ -104,7 +104,7 @@ TEST(SharedTangents, AreThoseThatBlenderWrote) {
             }
         }
     }
-    EXPECT_EQ(compared, 3840u);
+    EXPECT_EQ(compared, 15624u);
 }
 
 TEST(BadInputs, EachGivesAnErrorThatNamesFileAndPlace) {

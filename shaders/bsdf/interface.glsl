@@ -1,0 +1,164 @@
+// The interface between air and base: what its microfacets reflect, and what they let through.
+//
+// Dielectrics: Fe(cosθ) is the exact Fresnel term or Schlick's, from the side that wo is on. With
+// KHR_materials_specular,
+//   F = specular · (F0' + (1 − F0') t),  t = (Fe − F0e) / (1 − F0e),  F0' = min(F0e · specularColor, 1)
+//     = specular · (1 − κ (1 − Fe)),     κ = (1 − F0') / (1 − F0e),
+// so that any curve keeps its shape; total internal reflection stays 1. What is not reflected passes, by
+// the strongest channel, as the extension has it: 1 − max(F).
+// Metals: Schlick's curve of the base colour, or the exact term of a measured η + i k.
+// A thin film (thin_film.glsl) takes the place of both by the share `iridescence`.
+#ifndef INTERFACE_GLSL
+#define INTERFACE_GLSL
+
+#include "fresnel.glsl"
+#include "thin_film.glsl"
+
+struct Interface {
+    vec3 baseColor;      // of metals; tints what is transmitted
+    float metallic;
+    float eta;           // index of the far side over that of wo's side
+    float transmission;  // share of the dielectric that transmits
+    uint flags;
+    bool thin;
+    bool tinted;         // FEATURE_SPECULAR_COLOR and other than the plain curve
+    bool ideal;          // an index of 0, which stands for F0e = 1: Schlick's curve from specularColor
+    vec3 kappa;
+    float specular;
+    vec3 conductorEta, conductorK;
+    float film, filmIor, filmThickness;  // share; nm
+    vec3 filmBase;                       // dielectric reflectance under the film at normal incidence
+};
+
+Interface interfaceAt(MaterialPoint m, bool frontFace) {
+    Interface f;
+    f.baseColor = m.baseColor;
+    f.metallic = m.metallic;
+    f.transmission = m.transmission;
+    f.flags = m.flags;
+    f.thin = (m.flags & MATERIAL_THIN) != 0u;
+    f.tinted = false;
+    f.ideal = false;
+    f.kappa = vec3(1);
+    f.specular = 1.0;
+    float ior = m.ior;
+    if (has(FEATURE_SPECULAR_COLOR)) {
+        f.ideal = m.ior == 0.0;
+        f.tinted = f.ideal || m.specular != 1.0 || any(notEqual(m.specularColor, vec3(1)));
+        if (f.ideal) ior = 1.5;  // for what is refracted
+        if (f.tinted) {
+            f.specular = m.specular;
+            float f0 = f.ideal ? 0.0 : fresnelNormal(ior);
+            f.kappa = (1.0 - min((f.ideal ? 1.0 : f0) * m.specularColor, 1.0)) / (1.0 - f0);
+        }
+    }
+    f.eta = frontFace || f.thin || m.transmission == 0.0 ? ior : 1.0 / ior;
+    if (has(FEATURE_CONDUCTOR)) {
+        f.conductorEta = m.conductorEta;
+        f.conductorK = m.conductorK;
+    }
+    f.film = 0.0;
+    if (has(FEATURE_IRIDESCENCE) && m.iridescence > 0.0 && m.iridescenceThickness > 0.0) {
+        f.film = m.iridescence;
+        f.filmIor = m.iridescenceIor;
+        f.filmThickness = m.iridescenceThickness;
+        f.filmBase = f.ideal ? min(m.specularColor, 1.0) * m.specular : vec3(fresnelNormal(ior));
+        if (has(FEATURE_SPECULAR_COLOR) && !f.ideal) f.filmBase = min(f.filmBase * m.specularColor, 1.0) * m.specular;
+    }
+    return f;
+}
+
+float dielectricCurve(Interface f, float cosTheta, float eta) {
+    if (has(FEATURE_SCHLICK) && (f.flags & MATERIAL_SCHLICK) != 0u) return fresnelDielectricSchlick(cosTheta, eta);
+    return fresnelDielectric(cosTheta, eta);
+}
+
+bool hasFilm(Interface f) { return has(FEATURE_IRIDESCENCE) && f.film > 0.0; }
+
+vec3 bareDielectric(Interface f, float cosTheta, float eta) {
+    if (has(FEATURE_SPECULAR_COLOR) && f.tinted) {
+        float through = f.ideal ? 1.0 - schlickWeight(cosTheta) : 1.0 - dielectricCurve(f, cosTheta, eta);
+        return eta < 1.0 && !(through > 0.0) ? vec3(1) : f.specular * max(1.0 - f.kappa * through, 0.0);
+    }
+    return vec3(dielectricCurve(f, cosTheta, eta));
+}
+
+vec3 dielectricReflectance(Interface f, float cosTheta, float eta) {
+    vec3 bare = bareDielectric(f, cosTheta, eta);
+    if (!hasFilm(f)) return bare;
+    // The film is outside: from inside light meets it at the refracted angle, and it reflects alike from either side.
+    if (eta < 1.0) {
+        float cosSquared = 1.0 - (1.0 - cosTheta) * (1.0 + cosTheta) / (eta * eta);
+        if (cosSquared <= 0.0) return vec3(1);
+        cosTheta = sqrt(cosSquared);
+    }
+    return mix(bare, filmReflectance(cosTheta, f.filmIor, f.filmThickness, f.filmBase), f.film);
+}
+
+vec3 bareMetal(Interface f, float cosTheta) {
+    if (has(FEATURE_CONDUCTOR) && (f.flags & MATERIAL_CONDUCTOR) != 0u)
+        return fresnelConductor(cosTheta, f.conductorEta, f.conductorK);
+    return fresnelSchlick(f.baseColor, cosTheta);
+}
+
+vec3 metalReflectance(Interface f, float cosTheta) {
+    vec3 bare = bareMetal(f, cosTheta);
+    if (!hasFilm(f)) return bare;
+    return mix(bare, filmReflectance(cosTheta, f.filmIor, f.filmThickness, bareMetal(f, 1.0)), f.film);
+}
+
+// The dielectric as the diffuse base meets it, a bound on the strongest channel linear in the albedo tables:
+// E = x · E1 − y · (E1 − Ed). A film counts with what it reflects at its brightest thickness, and 3 % more,
+// as much as Schlick's curve in the film is above the exact one in the tables towards grazing angles.
+vec2 dielectricScale(Interface f) {
+    vec2 scale = vec2(1);
+    if (has(FEATURE_SPECULAR_COLOR) && f.tinted) scale = f.specular * vec2(1.0, min(f.kappa.x, min(f.kappa.y, f.kappa.z)));
+    if (hasFilm(f)) {
+        float f0 = f.ideal ? 0.0 : fresnelNormal(f.eta);
+        float kappa = (1.0 - maxComponent(filmEnvelope(f.filmIor, f.filmBase))) / (1.0 - f0);
+        scale = mix(scale, vec2(1.03, kappa), f.film);
+    }
+    return scale;
+}
+
+// Reflectance of a microfacet.
+vec3 reflectance(Interface f, float cosTheta) {
+    vec3 dielectric = dielectricReflectance(f, cosTheta, f.eta);
+    // From inside a solid that transmits in part, only that part reflects totally.
+    if (has(FEATURE_TRANSMISSION) && f.eta < 1.0 && f.transmission < 1.0)
+        dielectric = mix(dielectricReflectance(f, cosTheta, 1.0 / f.eta), dielectric, f.transmission);
+    return mix(dielectric, metalReflectance(f, cosTheta), f.metallic);
+}
+
+// Share that passes a microfacet, to be tinted by the base colour.
+float transmittance(Interface f, float cosTheta) {
+    if (!has(FEATURE_TRANSMISSION)) return 0.0;
+    return (1.0 - f.metallic) * f.transmission * (1.0 - maxComponent(dielectricReflectance(f, cosTheta, f.eta)));
+}
+
+bool transmits(Interface f) { return has(FEATURE_TRANSMISSION) && f.transmission > 0.0; }
+
+// Probability of reflecting rather than transmitting at a microfacet.
+float reflectChance(Interface f, float cosTheta) {
+    if (!has(FEATURE_TRANSMISSION)) return 1.0;
+    float reflected = luminance(reflectance(f, cosTheta));
+    float transmitted = transmittance(f, cosTheta) * max(maxComponent(f.baseColor), 1e-3);
+    return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
+}
+
+// Cosine-weighted averages over directions outside, 2 ∫ F cosθ dcosθ.
+vec3 dielectricAverage(Interface f) {
+    float eta = f.eta < 1.0 ? 1.0 / f.eta : f.eta;
+    float curve = fresnelDielectricAverage(eta);
+    if (has(FEATURE_SCHLICK) && (f.flags & MATERIAL_SCHLICK) != 0u) curve = mix(fresnelNormal(eta), 1.0, 1.0 / 21.0);
+    vec3 average = vec3(curve);
+    if (has(FEATURE_SPECULAR_COLOR) && f.tinted) {
+        if (f.ideal) curve = 1.0 / 21.0;
+        average = clamp(f.specular * (1.0 - f.kappa * (1.0 - curve)), 0.0, 1.0);
+    }
+    if (!hasFilm(f)) return average;
+    return mix(average, filmReflectance(FRESNEL_AVERAGE_COSINE, f.filmIor, f.filmThickness, f.filmBase), f.film);
+}
+vec3 metalAverage(Interface f) { return clamp(metalReflectance(f, FRESNEL_AVERAGE_COSINE), 0.0, 1.0); }
+
+#endif

@@ -1,0 +1,108 @@
+#include "worker/render/interface_packer.h"
+
+#include <cmath>
+
+namespace tilefarm {
+namespace {
+
+// A material that does not say otherwise takes what the job asks for.
+Microfacets microfacetsOf(const Material& m, const RenderSettings& settings) {
+    return m.microfacets != Microfacets::ggx ? m.microfacets : settings.microfacets;
+}
+
+Fresnel fresnelOf(const Material& m, const RenderSettings& settings) {
+    return m.fresnel != Fresnel::exact ? m.fresnel : settings.fresnel;
+}
+
+bool isSolid(const Material& m) {
+    return m.transmission > 0 && m.thickness > 0;
+}
+
+bool isSmooth(const Material& m) {
+    return m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
+}
+
+bool tintsSpecular(const Material& m) {
+    return m.ior == 0 || m.specular != 1 || m.specularTexture || m.specularColor != glm::vec3(1) ||
+           m.specularColorTexture || m.specularTint > 0;
+}
+
+// A texture can only lower metallic and roughness, so with one any lower value may occur.
+uint64_t dielectricFeatures(const Material& m, const RenderSettings& settings) {
+    uint64_t features = 0;
+    if (m.metallic == 1 && !m.metallicRoughnessTexture) return features;
+    if (tintsSpecular(m)) features |= gpu::bit(gpu::FEATURE_SPECULAR_COLOR);
+    if (fresnelOf(m, settings) == Fresnel::schlick) features |= gpu::bit(gpu::FEATURE_SCHLICK);
+    return features;
+}
+
+uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
+    uint64_t features = 0;
+    const Microfacets kind = microfacetsOf(m, settings);
+    if (kind == Microfacets::beckmann) features |= gpu::bit(gpu::FEATURE_BECKMANN);
+    if (kind == Microfacets::phong) features |= gpu::bit(gpu::FEATURE_PHONG);
+    if (m.anisotropy > 0) features |= gpu::bit(gpu::FEATURE_ANISOTROPY);
+    if (isSmooth(m) || m.metallicRoughnessTexture || (m.transmission > 0 && m.ior == 1))
+        features |= gpu::bit(gpu::FEATURE_MIRROR);
+    if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0))
+        features |= gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);
+    return features;
+}
+
+}  // namespace
+
+uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
+    const bool reflects = m.metallic > 0 || (m.ior != 1 && m.specular > 0);
+    if (!reflects && m.transmission == 0) return 0;
+    uint64_t features =
+        gpu::bit(gpu::FEATURE_SPECULAR) | facetFeatures(m, settings) | dielectricFeatures(m, settings);
+    if (m.transmission > 0) features |= gpu::bit(gpu::FEATURE_TRANSMISSION);
+    if (m.conductor && m.metallic > 0) features |= gpu::bit(gpu::FEATURE_CONDUCTOR);
+    if (m.iridescence > 0) features |= gpu::bit(gpu::FEATURE_IRIDESCENCE);
+    if (m.dispersion > 0 && isSolid(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
+    return features;
+}
+
+InterfaceKind interfaceKind(const Material& m, const RenderSettings& settings) {
+    return {m.ior, microfacetsOf(m, settings), fresnelOf(m, settings), isSolid(m)};
+}
+
+void packInterface(gpu::MaterialRecord& record, const Material& m, const RenderSettings& settings) {
+    const Microfacets kind = microfacetsOf(m, settings);
+    if (kind == Microfacets::beckmann) record.flags |= gpu::MATERIAL_BECKMANN;
+    if (kind == Microfacets::phong) record.flags |= gpu::MATERIAL_PHONG;
+    if (fresnelOf(m, settings) == Fresnel::schlick) record.flags |= gpu::MATERIAL_SCHLICK;
+    if (m.conductor) record.flags |= gpu::MATERIAL_CONDUCTOR;
+    record.metallic = m.metallic;
+    record.roughness = m.roughness;
+    record.ior = m.ior;
+    record.transmission = m.transmission;
+    record.dispersion = isSolid(m) ? m.dispersion : 0;
+    record.specular = m.specular;
+    record.specularColor = m.specularColor;
+    record.specularTint = m.specularTint;
+    record.anisotropy = m.anisotropy;
+    record.anisotropyCos = std::cos(m.anisotropyRotation);
+    record.anisotropySin = std::sin(m.anisotropyRotation);
+    record.iridescence = m.iridescence;
+    record.iridescenceIor = m.iridescenceIor;
+    record.iridescenceThicknessMinimum = m.iridescenceThicknessMinimum;
+    record.iridescenceThicknessMaximum = m.iridescenceThicknessMaximum;
+    record.conductorEta = m.conductorEta;
+    record.conductorK = m.conductorK;
+}
+
+void bindInterfaceTextures(gpu::MaterialRecord& record, const Material& m, uint64_t features,
+                           TexturePacker& textures) {
+    const auto bind = [&](uint32_t feature, uint32_t& slot, const TextureRef& texture) {
+        if ((features & gpu::bit(feature)) != 0) slot = textures.add(texture);
+    };
+    bind(gpu::FEATURE_TRANSMISSION, record.transmissionTexture, m.transmissionTexture);
+    bind(gpu::FEATURE_SPECULAR_COLOR, record.specularTexture, m.specularTexture);
+    bind(gpu::FEATURE_SPECULAR_COLOR, record.specularColorTexture, m.specularColorTexture);
+    bind(gpu::FEATURE_ANISOTROPY, record.anisotropyTexture, m.anisotropyTexture);
+    bind(gpu::FEATURE_IRIDESCENCE, record.iridescenceTexture, m.iridescenceTexture);
+    bind(gpu::FEATURE_IRIDESCENCE, record.iridescenceThicknessTexture, m.iridescenceThicknessTexture);
+}
+
+}  // namespace tilefarm

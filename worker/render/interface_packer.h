@@ -1,0 +1,23 @@
+#pragma once
+
+#include "shaders/gpu_types.h"
+#include "shared/job/job.h"
+#include "worker/render/albedo_table.h"
+#include "worker/render/texture_packer.h"
+#include "worker/scene/scene.h"
+
+namespace tilefarm {
+
+/// What a material's interface between air and base (shaders/bsdf/interface.glsl) calls for: reflection,
+/// transmission and all that varies them. Zero for a matte surface.
+uint64_t interfaceFeatures(const Material& material, const RenderSettings& settings);
+
+/// Which albedo tables it reads.
+InterfaceKind interfaceKind(const Material& material, const RenderSettings& settings);
+
+/// Writes its part of the record; the textures only of what interfaceFeatures calls for.
+void packInterface(gpu::MaterialRecord& record, const Material& material, const RenderSettings& settings);
+void bindInterfaceTextures(gpu::MaterialRecord& record, const Material& material, uint64_t features,
+                           TexturePacker& textures);
+
+}  // namespace tilefarm
