@@ -12,6 +12,9 @@ const uint kFieldScan = 64u;   // samples of what is left when the steps run out
 const uint kFieldHalvings = 26u;
 // Of the object's size: the least step, and how far off the surface rays leave it.
 const float kFieldResolution = 1e-6;
+// Likewise: less than this is inside. Roundings of the distance, so that no ray slips in where two primitives touch and
+// the distance is zero all along the seam.
+const float kFieldRounding = 2.5e-7;
 
 struct FieldInstruction {
     uint operation;
@@ -62,7 +65,7 @@ float mandelbulbDistance(vec3 p, float power, uint iterations) {
         z = pow(r, power) * vec3(s * cos(phi), s * sin(phi), cos(theta)) + p;
         r = length(z);
     }
-    return r < 1e-6 ? -1e-6 : 0.5 * log(r) * r / derivative;
+    return r < 2.0 ? -1e-6 : 0.5 * log(r) * r / derivative;  // what has not escaped is inside
 }
 
 float primitiveDistance(FieldInstruction i, vec3 p) {
@@ -177,10 +180,10 @@ vec4 fieldGradient(uint program, uint instructions, vec3 p) {
 }
 
 // Where between `low` and `high`, on two sides of the surface, it is.
-float bisected(uint program, uint instructions, vec3 f, vec3 u, bool inside, float low, float high) {
+float bisected(uint program, uint instructions, vec3 f, vec3 u, float skin, bool inside, float low, float high) {
     for (uint i = 0u; i < kFieldHalvings && high - low > 1e-7 * high; ++i) {
         float middle = 0.5 * (low + high);
-        if (fieldDistance(program, instructions, f + middle * u) < 0.0 == inside) low = middle;
+        if (fieldDistance(program, instructions, f + middle * u) < skin == inside) low = middle;
         else high = middle;
     }
     return high;
@@ -192,13 +195,16 @@ float bisected(uint program, uint instructions, vec3 f, vec3 u, bool inside, flo
 bool fieldCrossing(uint program, uint instructions, vec3 f, vec3 u, float from, float to, float stepScale, float size, out float at) {
     at = from;
     float distance = fieldDistance(program, instructions, f + from * u);
-    bool inside = distance < 0.0;
-    float least = kFieldResolution * size;
+    float least = kFieldResolution * size, skin = kFieldRounding * size;
+    bool inside = distance < skin;
     for (uint i = 0u; i < kFieldSteps && at < to; ++i) {
         float next = min(at + max(abs(distance) * stepScale, max(least, 1e-7 * at)), to);
+        float before = distance;
         distance = fieldDistance(program, instructions, f + next * u);
-        if (distance < 0.0 != inside) {
-            at = bisected(program, instructions, f, u, inside, at, next);
+        if (distance < skin != inside) {
+            // To the surface itself, unless only its skin has been crossed.
+            float level = min(before, distance) < 0.0 ? 0.0 : skin;
+            at = bisected(program, instructions, f, u, level, inside, at, next);
             return true;
         }
         at = next;
@@ -208,8 +214,8 @@ bool fieldCrossing(uint program, uint instructions, vec3 f, vec3 u, float from, 
     float step_ = (to - at) / float(kFieldScan);
     for (uint i = 0u; i < kFieldScan; ++i) {
         float next = at + step_;
-        if (fieldDistance(program, instructions, f + next * u) < 0.0 != inside) {
-            at = bisected(program, instructions, f, u, inside, at, next);
+        if (fieldDistance(program, instructions, f + next * u) < skin != inside) {
+            at = bisected(program, instructions, f, u, skin, inside, at, next);
             return true;
         }
         at = next;

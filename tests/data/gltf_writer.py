@@ -194,21 +194,22 @@ class Gltf:
 
 
 def png(width, height, rows):
-    """8-bit RGB PNG; `rows` holds `height` lists of `width` (r, g, b)."""
+    """8-bit PNG; `rows` holds `height` lists of `width` (r, g, b) or (r, g, b, a)."""
+    channels = len(rows[0][0])
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    raw, previous = bytearray(), bytes(width * 3)
+    raw, previous = bytearray(), bytes(width * channels)
     for row in rows:
         line = bytes(c for pixel in row for c in pixel)
         # Of the five filters the one with the smallest sum of absolute differences, as libpng's heuristic has it.
-        left = bytes(3) + line[:-3]
+        left = bytes(channels) + line[:-channels]
         sub_line = bytes((a - b) & 255 for a, b in zip(line, left))
         up_line = bytes((a - b) & 255 for a, b in zip(line, previous))
         cost = lambda data: sum(min(b, 256 - b) for b in data)
         kind, data = min(((0, line), (1, sub_line), (2, up_line)), key=lambda choice: cost(choice[1]))
         raw += bytes([kind]) + data
         previous = line
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 8, 6 if channels == 4 else 2, 0, 0, 0)
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(bytes(raw), 9)) +
             chunk(b"IEND", b""))
 

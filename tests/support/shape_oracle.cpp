@@ -54,7 +54,7 @@ double mandelbulbDistance(const dvec3& p, double power, int iterations) {
             p;
         r = glm::length(z);
     }
-    return r < 1e-6 ? -1e-6 : 0.5 * std::log(r) * r / derivative;
+    return r < 2 ? -1e-6 : 0.5 * std::log(r) * r / derivative;
 }
 
 double smoothMinimum(double a, double b, double k) {

@@ -5,16 +5,21 @@
 namespace tilefarm {
 namespace {
 
+bool emits(const Material& material) {
+    return material.unlit || material.emission != glm::vec3(0);
+}
+
 bool emits(const Scene& scene, const Instance& instance) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    const Material& material = scene.materials[mesh.material];
-    return !mesh.triangles.empty() && (material.unlit || material.emission != glm::vec3(0));
+    return !mesh.triangles.empty() && emits(scene.materials[mesh.material]);
 }
 
 bool hasLight(const Scene& scene) {
     return scene.hasEnvironment() || !scene.lights.empty() || !scene.areaLights.empty() ||
            std::any_of(scene.instances.begin(), scene.instances.end(),
-                       [&](const Instance& instance) { return emits(scene, instance); });
+                       [&](const Instance& instance) { return emits(scene, instance); }) ||
+           std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                       [&](const Shape& shape) { return emits(scene.materials[shape.material]); });
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ constexpr KnownExtension kKnown[] = {
     {"EXT_mesh_gpu_instancing", ""},
     {"EXT_meshopt_compression", ""},
     {"KHR_draco_mesh_compression", ""},
+    {"KHR_implicit_shapes", ""},
+    {"TILEFARM_shapes", ""},
     {"KHR_lights_punctual", ""},
     {"KHR_materials_anisotropy", ""},
     {"KHR_materials_clearcoat", ""},

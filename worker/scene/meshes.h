@@ -25,6 +25,8 @@ public:
     /// Frees the places in scene.meshes of what was morphed or skinned; the rest stays where it is.
     void beginPose();
 
+    /// Something that is no mesh has the material.
+    void use(uint32_t material) { usedMaterials_[material] = true; }
     /// Whether a mesh that was loaded has the material.
     const std::vector<bool>& usedMaterials() const { return usedMaterials_; }
     size_t count() const { return meshes_.size(); }

@@ -8,6 +8,7 @@
 #include "worker/scene/cameras_lights.h"
 #include "worker/scene/limits.h"
 #include "worker/scene/mesh_repair.h"
+#include "worker/scene/shape_reader.h"
 #include "worker/scene/transform.h"
 
 namespace tilefarm {
@@ -118,7 +119,8 @@ public:
           skins_(skins),
           tree_(load.file.root()),
           cameras_(parseCameras(load.file.root())),
-          lights_(parseLights(load)) {}
+          lights_(parseLights(load)),
+          shapes_(load) {}
 
     void run() {
         std::vector<bool> visited(tree_.size(), false);
@@ -147,6 +149,12 @@ private:
         const glm::dmat4& toWorld = tree_.toWorld(index);
         if (const JsonNode mesh = node["mesh"]) {
             addInstances(node, mesh.index(meshes_.count(), "/meshes"), toWorld, name);
+        }
+        if (std::optional<Shape> shape = shapes_.shapeOf(node, toWorld)) {
+            meshes_.use(shape->material);
+            if (load_.scene.shapes.size() == kMaxInstances)
+                node.fail(fmt::format("the scene has more than {} shapes", kMaxInstances));
+            load_.scene.shapes.push_back(*std::move(shape));
         }
         if (const JsonNode camera = node["camera"]) {
             Camera placed = cameras_[camera.index(cameras_.size(), "/cameras")];
@@ -264,6 +272,7 @@ private:
     NodeTree tree_;
     std::vector<Camera> cameras_;
     std::vector<GltfLight> lights_;
+    ShapeReader shapes_;
 };
 
 }  // namespace

@@ -46,7 +46,7 @@ glm::dvec3 extentOf(const FieldInstruction& primitive) {
         case FieldOperation::box: return glm::dvec3(p);
         case FieldOperation::torus: return {p.x + p.y, p.y, p.x + p.y};
         case FieldOperation::cone: return {std::max(p.y, p.z), p.x, std::max(p.y, p.z)};
-        default: return glm::dvec3(1.5);  // points further out escape: the bulb of power 2 … 16 is within 1.3
+        default: return glm::dvec3(std::exp2(1 / (p.x - 1)));  // points further out escape
     }
 }
 

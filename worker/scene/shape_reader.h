@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "worker/scene/load_context.h"
+
+namespace tilefarm {
+
+/// The shapes that a file declares: KHR_implicit_shapes, and TILEFARM_shapes (docs/vendor-extensions.md) for
+/// what the former lacks. Throws Error(invalidArgument) with the place of a fault.
+class ShapeReader {
+public:
+    explicit ShapeReader(LoadContext& load);
+
+    /// The shape that a node shows, if it shows one; placed by `toWorld`. Warns of what is rendered
+    /// otherwise.
+    std::optional<Shape> shapeOf(const JsonNode& node, const glm::dmat4& toWorld) const;
+
+private:
+    struct Declared {
+        Shape shape;  // its toWorld: from the shape's own space to the node's
+        bool endless = false;
+    };
+    static Declared implicitShape(const JsonNode& node);
+    static Declared surface(const JsonNode& node);
+    void warnOf(const Shape& shape, bool endless, const JsonNode& node) const;
+
+    LoadContext& load_;
+    std::vector<Declared> implicit_, surfaces_;
+};
+
+}  // namespace tilefarm
