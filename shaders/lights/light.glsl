@@ -7,6 +7,7 @@
 #include "light_tree.glsl"
 #include "punctual.glsl"
 #include "quad.glsl"
+#include "sphere.glsl"
 #include "sun.glsl"
 #include "triangle.glsl"
 
@@ -20,7 +21,9 @@ struct LightSample {
 };
 
 // Surfaces that emit and are lights of their own.
-bool hasEmitters() { return has(FEATURE_EMISSIVE_TRIANGLES) || has(FEATURE_QUAD_LIGHTS); }
+bool hasEmitters() {
+    return has(FEATURE_EMISSIVE_TRIANGLES) || has(FEATURE_QUAD_LIGHTS) || has(FEATURE_SPHERE_LIGHTS);
+}
 
 bool hasLights() {
     return hasEmitters() || has(FEATURE_PUNCTUAL_LIGHTS) || has(FEATURE_SUN_LIGHTS) || has(FEATURE_ENVIRONMENT);
@@ -93,6 +96,20 @@ bool sampleQuadLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface s, i
     return l.pdf > 0.0;
 }
 
+bool sampleSphereLight(uint light, float pmf, uvec4 bits, Surface s, inout LightSample l) {
+    vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
+    SphereCone c = sphereCone(p.xyz, a.x, s.position);
+    if (!(c.h > 0.0)) return false;
+    float reach;
+    l.wi = sphereSample(c, a.x, unitFloat(bits.zw), reach);
+    l.radiance = vec3(p.w, a.w, b.w);
+    l.pdf = pmf * spherePdf(c);
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    l.target = s.position + max(reach, 0.0) * l.wi;
+    l.infinite = false;
+    return l.pdf > 0.0;
+}
+
 bool sampleSunLight(uint light, float pmf, uvec4 bits, Surface s, inout LightSample l) {
     vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
     l.wi = sunSample(-a.xyz, b.x, unitFloat(bits.zw));
@@ -142,6 +159,7 @@ bool sampleOnLight(uint light, uvec4 head, float pmf, uvec4 bits, SampleKey key,
     if (has(FEATURE_EMISSIVE_TRIANGLES) && head.x == LIGHT_TRIANGLE)
         return sampleTriangleLight(light, head, pmf, bits, s, l);
     if (has(FEATURE_QUAD_LIGHTS) && head.x == LIGHT_QUAD) return sampleQuadLight(light, head, pmf, bits, s, l);
+    if (has(FEATURE_SPHERE_LIGHTS) && head.x == LIGHT_SPHERE) return sampleSphereLight(light, pmf, bits, s, l);
     if (has(FEATURE_SUN_LIGHTS) && head.x == LIGHT_SUN) return sampleSunLight(light, pmf, bits, s, l);
     if (has(FEATURE_PUNCTUAL_LIGHTS)) return samplePunctualLight(light, head, pmf, s, l);
     return false;
@@ -152,6 +170,7 @@ bool sampleLight(SampleKey key, uint bounce, Surface s, vec3 n, out LightSample 
     uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_LIGHT));
     uint light;
     float pmf;
+    if (parameters.path.z == 0u) return false;
     if (has(FEATURE_LIGHT_TREE)) {
         if (!lightTreeSample(bits.xy, s.position, n, light, pmf)) return false;
     } else {
@@ -180,6 +199,8 @@ float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine) {
         vec3 p = lightTexel(light, 1u).xyz, a = lightTexel(light, 2u).xyz, b = lightTexel(light, 3u).xyz;
         return pmf * quadPdf(sphericalRectangle(p, a, b, from), t);
     }
+    if (has(FEATURE_SPHERE_LIGHTS) && head.x == LIGHT_SPHERE)
+        return pmf * spherePdf(sphereCone(lightTexel(light, 1u).xyz, lightTexel(light, 2u).x, from));
     return pmf * areaToSolidAngle(uintBitsToFloat(head.w), t * t, cosine);
 }
 

@@ -13,6 +13,15 @@ AreaLight quadLight(const glm::dvec3& centre, const glm::dvec3& u, const glm::dv
     return light;
 }
 
+AreaLight sphereLight(const glm::dvec3& centre, double radius, float radiance) {
+    AreaLight light;
+    light.shape = AreaShape::sphere;
+    light.position = centre;
+    light.radius = radius;
+    light.radiance = glm::vec3(radiance);
+    return light;
+}
+
 PunctualLight sunLight(const glm::vec3& direction, float angularRadius, float irradiance) {
     PunctualLight light;
     light.type = PunctualType::directional;
@@ -56,6 +65,8 @@ std::vector<LightScene> lightsWithExtent() {
     add("farQuad", {3, 8, 1}, 0.99).areaLights = {quadLight({3, 8, 1}, {0.2, 0, 0}, {0, 0.02, 0.3}, 100)};
     add("twoSidedQuad", {0, 1, 0.5}, -0.2).areaLights = {quadLight({0, 0.8, 0.5}, {0.4, 0, 0}, {0, 0.3, 0.4}, 2)};
     all.back().scene.areaLights[0].twoSided = true;
+    add("sphere", {0.3, 1, 0.1}, 0.3).areaLights = {sphereLight({0.3, 1, 0.1}, 0.6, 2)};
+    add("farSphere", {3, 8, 1}, 0.999).areaLights = {sphereLight({3, 8, 1}, 0.2, 300)};
     add("sun", {1, 2, 0.5}, 0.97).lights = {sunLight({-1, -2, -0.5}, 0.2f, 3)};
     add("tinySun", {1, 2, 0.5}, 0.99995).lights = {sunLight({-1, -2, -0.5}, 0.00465f, 3)};
     add("constantEnvironment", {0, 1, 0}, -1).environment = uniformEnvironment(glm::vec3(0.7f));

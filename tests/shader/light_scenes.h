@@ -18,6 +18,7 @@ struct LightScene {
 };
 
 AreaLight quadLight(const glm::dvec3& centre, const glm::dvec3& u, const glm::dvec3& v, float radiance = 1);
+AreaLight sphereLight(const glm::dvec3& centre, double radius, float radiance = 1);
 PunctualLight sunLight(const glm::vec3& direction, float angularRadius, float irradiance = 1);
 /// Radiance in one texel of an otherwise black map.
 Environment oneTexelSun(uint32_t width, uint32_t height, uint32_t x, uint32_t y, float radiance);

@@ -38,6 +38,7 @@ Scene everyKind() {
     scene.areaLights = {quadLight({-1, 1, 0.5}, {0.2, 0, 0}, {0, 0, 0.3}, 8),
                         quadLight({0, 0.8, -1.5}, {0.2, 0, 0}, {0, 0.3, 0.1}, 5)};
     scene.areaLights[1].twoSided = true;
+    scene.areaLights.push_back(sphereLight({-0.4, 0.9, -0.6}, 0.15, 4));
     PunctualLight spot = lampAt({0.5, 1.5, 0.5}, 2);
     spot.type = PunctualType::spot;
     spot.direction = glm::normalize(glm::vec3(-0.3f, -1, -0.2f));
@@ -45,6 +46,7 @@ Scene everyKind() {
     spot.outerCone = 0.9f;
     PunctualLight beam = sunLight({0.2f, -1, 0.4f}, 0, 0.5f);
     scene.lights = {lampAt({0.3, 0.6, -0.2}, 0.4f), spot, beam, sunLight({-1, -2, 0.3f}, 0.05f, 0.6f)};
+    for (const double x : {-2., 2.}) scene.lights.push_back(lampAt({x, 0.5, 1}, 0.2f));
     scene.environment = oneTexelSun(16, 8, 9, 2, 3);
     return scene;
 }
@@ -100,6 +102,7 @@ TEST_F(LightSelectionTest, GlassAndVeilsSeeTheLightsOnBothSides) {
     Scene scene = everyKind();
     scene.environment = {};
     scene.lights.clear();
+    for (int i = 0; i < 6; ++i) scene.lights.push_back(lampAt({i - 2.5, 1, 0.3 * i}, 0.3f));
     Material pane = matte(glm::vec3(1));
     pane.ior = 1.5f;
     pane.roughness = 0.7f;
@@ -125,12 +128,13 @@ TEST_F(LightSelectionTest, PowersOfAnySizeStandTogether) {
     }
 
     scene.lights[2].color = glm::vec3(1e30f);
+    for (int i = 0; i < 8; ++i) scene.lights.push_back(lampAt({double(i), 1, 1}, 1e-30f));
     RenderSettings settings;
     settings.lightSelection = LightSelection::tree;
     LightProbe probe(device, scene, settings);
-    ASSERT_EQ(probe.lightCount(), 2u);
+    ASSERT_EQ(probe.lightCount(), 10u);
     double sum = 0;
-    for (const uint32_t light : {0u, 1u})
+    for (uint32_t light = 0; light < 10; ++light)
         sum += probe.ask({{{0, 0, 0, 0}, {0, 1, 0, 0}, {}, {}, {PROBE_PMF, light, 0, 0}}}).front().chosen.z;
     EXPECT_NEAR(sum, 1, 1e-6);
 }

@@ -4,11 +4,14 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "tests/shader/device_fixture.h"
+#include "tests/shader/light_probe_runner.h"
 #include "tests/shader/light_scenes.h"
 #include "tests/shader/render_frame.h"
 #include "tests/support/test_scenes.h"
+#include "worker/scene/sky.h"
 
 namespace tilefarm {
 namespace {
@@ -33,9 +36,9 @@ std::vector<glm::dvec3> cornersOf(const AreaLight& l) {
     return {l.position - l.u - l.v, l.position + l.u - l.v, l.position + l.u + l.v, l.position - l.u + l.v};
 }
 
-/// A floor of albedo 1/2 around the origin, facing +y.
+/// A floor of albedo 1/2 around the origin, facing +y; the edge of its two triangles passes beside it.
 void addFloor(Scene& scene, float half = 5) {
-    addMesh(scene, quadMesh({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}), matte(glm::vec3(0.5f)));
+    addMesh(scene, quadMesh({-half, 0, 1.3f * half}, {2 * half, 0, 0}, {0, 0, -2 * half}), matte(glm::vec3(0.5f)));
 }
 
 /// A camera that sees next to nothing but `point` on the floor, from the side.
@@ -119,6 +122,74 @@ TEST_F(LightTest, QuadFarFromTheOriginIsWhereItIs) {
     scene.areaLights = {light};
     const glm::dvec3 point = away + glm::dvec3(0.7, 0, 0.2);
     expectIrradiance(scene, point, 4 * polygonIrradiance(cornersOf(light), point, {0, 1, 0}));
+}
+
+/// Irradiance of a sphere of radiance 1 that is all above the receiver's plane: π (r / d)² cosθ, in full.
+double sphereIrradiance(const AreaLight& sphere, const glm::dvec3& point) {
+    const glm::dvec3 d = sphere.position - point;
+    return pi * sphere.radius * sphere.radius * d.y / std::pow(glm::length(d), 3);
+}
+
+TEST_F(LightTest, SphereGivesItsClosedFormNearAndFar) {
+    for (const auto& [centre, radius] :
+         {std::pair{glm::dvec3(0.4, 1.5, 0.3), 0.5}, {{0.3, 1, 0}, 0.9}, {{30, 40, 0}, 1.0}, {{0, 4000, 3000}, 1.0}}) {
+        SCOPED_TRACE(centre.y);
+        Scene scene;
+        addFloor(scene);
+        const AreaLight light = sphereLight(centre, radius, 1000);
+        scene.areaLights = {light};
+        expectIrradiance(scene, {0, 0, 0}, 1000 * sphereIrradiance(light, {0, 0, 0}));
+    }
+}
+
+TEST_F(LightTest, SphereAroundThePointFillsWhatItSees) {
+    // Hard case 51, within it and on it.
+    for (const double height : {0.5, 1.0}) {
+        SCOPED_TRACE(height);
+        Scene scene;
+        addFloor(scene, 0.02f);
+        scene.areaLights = {sphereLight({0, height, 0}, 1, 2)};
+        RenderSettings settings = bounces(1);
+        for (const DirectLight mode : {DirectLight::mis, DirectLight::lights, DirectLight::bsdf}) {
+            settings.directLight = mode;
+            expectMean(meanOf(renderFrame(device, scene, cameraAt({0, 1e-4, 0}, {0, 0, 0}, 0.5), square(16), settings,
+                                          64)),
+                       0.5 * 2, 0.01);
+        }
+    }
+}
+
+TEST_F(LightTest, SphereThatTheLastDigitsSeparateFromThePointGivesItsIrradiance) {
+    // Hard case 51, outside: nothing fits between point and sphere, so the sampling is asked by itself.
+    for (const double gap : {0.0, 1e-6, 1e-4, 0.1}) {
+        Scene scene;
+        scene.materials.emplace_back();
+        scene.areaLights = {sphereLight({0, 1, 0}, 1 / (1 + gap), 1)};
+        LightProbe probe(device, scene);
+        std::mt19937 random(1);
+        std::vector<LightQuery> queries(20000);
+        for (LightQuery& q : queries) q = {{0, 0, 0, 0}, {0, 1, 0, 0}, {}, {random(), random(), random(), random()}, {}};
+        double sum = 0;
+        for (const LightAnswer& a : probe.ask(queries)) sum += a.radiance.w == 0 ? 0 : a.wi.y * a.radiance.x / a.wi.w;
+        EXPECT_NEAR(sum / 20000, pi / ((1 + gap) * (1 + gap)), 0.02) << gap;
+    }
+}
+
+TEST_F(LightTest, SphereAgreesWithAFineMeshOfItFarAway) {
+    // Hard case 8.
+    for (const float radius : {5e-3f, 1e-2f}) {
+        Scene analytic, mesh;
+        addFloor(analytic);
+        addFloor(mesh);
+        const AreaLight light = sphereLight({0, 40, 0}, radius, 1e6f);
+        analytic.areaLights = {light};
+        addMesh(mesh, sphereMesh(32), matte(glm::vec3(0), glm::vec3(1e6f)),
+                glm::dmat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, radius, 0, 0), glm::dvec4(0, 0, radius, 0),
+                           glm::dvec4(0, 40, 0, 1)));
+        const Mean a = radianceAt(analytic, {0, 0, 0}, 64), b = radianceAt(mesh, {0, 0, 0}, 64);
+        expectMean(a, 0.5 / pi * 1e6 * sphereIrradiance(light, {0, 0, 0}), 1e-3 * a.value);
+        EXPECT_NEAR(a.value, b.value, 0.01 * a.value + 4 * b.sigma);
+    }
 }
 
 TEST_F(LightTest, SunOfAnySizeGivesItsIrradianceTimesTheCosine) {
@@ -205,7 +276,7 @@ TEST_P(EstimatorTest, LightSamplingBsdfSamplingAndBothGiveTheSame) {
     for (const Material& material : {matte(glm::vec3(0.5f)), glossy}) {
         SCOPED_TRACE(material.metallic);
         Scene scene = light.scene;
-        addMesh(scene, quadMesh({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), material);
+        addMesh(scene, quadMesh({-5, 0, 6}, {10, 0, 0}, {0, 0, -10}), material);
         const uint32_t samples = light.name == "tinySun" || light.name == "farQuad" ? 2048 : 256;
         const Mean mis = radianceAt(scene, light.point, 256, DirectLight::mis, LightSelection::power, 1),
                    lights = radianceAt(scene, light.point, 256, DirectLight::lights, LightSelection::power, 2),
@@ -222,6 +293,21 @@ std::string nameOf(const testing::TestParamInfo<size_t>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, EstimatorTest, testing::Range(size_t{0}, lightsWithExtent().size()), nameOf);
+
+TEST_F(LightTest, SunAndSkyGiveTheSameToEveryEstimator) {
+    Scene scene;
+    addFloor(scene);
+    SkySettings settings;
+    settings.turbidity = 2;
+    settings.sunAngularDiameter = 10;  // so that the BSDF finds it
+    addSky(scene, settings, 1, 0.7);
+    const Mean mis = radianceAt(scene, {0, 0, 0}, 64, DirectLight::mis, LightSelection::tree, 1),
+               lights = radianceAt(scene, {0, 0, 0}, 64, DirectLight::lights, LightSelection::power, 2),
+               bsdf = radianceAt(scene, {0, 0, 0}, 512, DirectLight::bsdf, LightSelection::power, 3);
+    expectSame(mis, lights);
+    expectSame(mis, bsdf);
+    expectSame(lights, bsdf);
+}
 
 TEST_F(LightTest, BsdfSamplingAloneLeavesDeltaLightsToLightSampling) {
     Scene scene;

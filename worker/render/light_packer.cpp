@@ -98,12 +98,53 @@ void addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
     packed.features |= gpu::bit(gpu::FEATURE_QUAD_LIGHTS);
 }
 
+// Spheres that are round in the world and emit evenly. Of other shapes that emit, the BSDF finds the light.
+bool isSphereLight(const Shape& shape, const Material& material) {
+    return shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld) && !material.unlit &&
+           material.doubleSided && material.emission != glm::vec3(0) && !material.emissionTexture &&
+           material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;
+}
+
+void addSphere(const Shape& shape, const Material& material, uint32_t primitive, Lights& lights,
+               PackedLights& packed) {
+    const glm::dvec3 centre(shape.toWorld[3]);
+    const double radius = shape.size.x * glm::length(glm::dvec3(shape.toWorld[0]));
+    gpu::LightRecord record{};
+    record.type = gpu::LIGHT_SPHERE;
+    record.primitive = primitive;
+    record.p = glm::vec3(centre);
+    record.a.x = static_cast<float>(radius);
+    record.area = static_cast<float>(4 * pi * radius * radius);
+    LightBounds bounds;
+    bounds.lower = centre - radius;
+    bounds.upper = centre + radius;
+    bounds.thetaO = pi;
+    bounds.thetaE = pi / 2;
+    bounds.intensity = luminance(material.emission) * pi * radius * radius;
+    const uint32_t index = lights.next();
+    if (!lights.add(record, material.emission, 4 * pi * bounds.intensity, bounds)) return;
+    packed.primitiveLights[primitive] = index;
+    packed.features |= gpu::bit(gpu::FEATURE_SPHERE_LIGHTS);
+}
+
+void addShapes(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
+    for (uint32_t i = 0; i < world.shapes.size(); ++i) {
+        const Shape& shape = world.shapes[i].shape;
+        const Material& material = world.materialOf(scene, shape.material);
+        if (isSphereLight(shape, material))
+            addSphere(shape, material, world.triangleCount() + i, lights, packed);
+        else if (material.emission != glm::vec3(0) && !material.unlit)
+            packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
+    }
+}
+
 void addSurfaces(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
-    if (world.emissive.empty() && world.quads.empty()) return;
+    if (world.emissive.empty() && world.quads.empty() && world.shapes.empty()) return;
     packed.primitiveLights.assign(world.primitiveCount(), gpu::NO_INDEX);
     for (const EmissiveTriangle& triangle : world.emissive) addTriangle(scene, world, triangle, lights, packed);
     for (const QuadLight& quad : world.quads) addQuad(quad, lights, packed);
     if (!world.emissive.empty()) packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
+    addShapes(scene, world, lights, packed);
 }
 
 // Below 1e-6 rad fp32 directions cannot tell the disk's inside from its outside: such a light is a delta.
