@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "shared/error/error.h"
 #include "worker/scene/load.h"
+#include "worker/scene/sky.h"
 
 namespace tilefarm {
 namespace {
@@ -91,10 +91,10 @@ void setEnvironment(Scene& scene, const EnvironmentSettings& given) {
             break;
         case EnvironmentKind::none: scene.environment = {}; break;
         case EnvironmentKind::sky:
-            throw Error(ErrorCode::invalidArgument,
-                        "the job's /environment/kind: this version of the worker has no sky");
+            addSky(scene, given.sky, given.intensity, given.rotation * kDegree);
+            break;
     }
-    scaleRadiance(scene.environment.image, given.intensity);
+    if (given.kind != EnvironmentKind::sky) scaleRadiance(scene.environment.image, given.intensity);
     scene.environment.rotation = given.rotation * kDegree;
     scene.environment.visible = given.visible;
     // Where a job asks for an environment or for none, that is what it gets.

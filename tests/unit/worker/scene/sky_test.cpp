@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/scene/apply_job.h"
 #include "worker/scene/atmosphere.h"
 
 namespace tilefarm {
@@ -153,6 +154,21 @@ TEST(Sky, HasNoDiskWhenTheSunIsDownAndNoneWhenItIsNotWanted) {
     settings.sunIntensity = 0;
     addSky(diskless, settings, 1, 0);
     EXPECT_TRUE(diskless.lights.empty());
+}
+
+TEST(Sky, IsWhatAJobGetsThatAsksForIt) {
+    JobSpec job;
+    job.environment.kind = EnvironmentKind::sky;
+    job.environment.intensity = 2;
+    job.environment.rotation = 90;
+    job.environment.visible = false;
+    Scene scene, expected;
+    setJobEnvironment(scene, job, {});
+    addSky(expected, job.environment.sky, 2, pi / 2);
+    EXPECT_EQ(scene.environment.image.rgbaFloat, expected.environment.image.rgbaFloat);
+    EXPECT_FALSE(scene.environment.visible);
+    ASSERT_EQ(scene.lights.size(), 1u);
+    EXPECT_EQ(scene.lights[0].direction, expected.lights[0].direction);
 }
 
 }  // namespace
