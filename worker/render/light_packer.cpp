@@ -220,6 +220,12 @@ void addEnvironment(double flux, double sceneRadius, Lights& lights, PackedLight
     packed.features |= gpu::bit(gpu::FEATURE_ENVIRONMENT);
 }
 
+bool wantsTree(const Lights& lights) {
+    const auto infinite = static_cast<size_t>(std::count_if(lights.bounds.begin(), lights.bounds.end(),
+                                                            [](const LightBounds& b) { return b.infinite; }));
+    return lights.bounds.size() >= kLeastLightsForTree || (infinite > 0 && infinite < lights.bounds.size());
+}
+
 void chooseBy(LightSelection selection, const Lights& lights, PackedLights& packed) {
     const bool byPower = selection == LightSelection::power || selection == LightSelection::tree;
     packed.alias = buildAliasTable(byPower ? lights.powers : std::vector<double>(lights.powers.size(), 1.0));
@@ -228,7 +234,7 @@ void chooseBy(LightSelection selection, const Lights& lights, PackedLights& pack
         packed.records[i].pmf = selection == LightSelection::all ? 1 : packed.alias[i].pmf;
     if (selection == LightSelection::all && packed.records.size() > 1)
         packed.features |= gpu::bit(gpu::FEATURE_ALL_LIGHTS);
-    if (selection != LightSelection::tree || packed.records.size() < kLeastLightsForTree) return;
+    if (selection != LightSelection::tree || !wantsTree(lights)) return;
     LightTree tree = buildLightTree(lights.bounds);
     packed.tree = std::move(tree.children);
     for (size_t i = 0; i < packed.alias.size(); ++i) packed.alias[i].trail = tree.trails[i];

@@ -21,8 +21,9 @@ struct PackedLights {
     uint64_t darkTriangles = 0;           // of an emissive material but with no light in their texture
 };
 
-/// From so many lights on a tree is worth its cost; below, LightSelection::tree chooses by power. (A tree of the two
-/// triangles of a Cornell box costs 6 % more processor time for the same noise.)
+/// From so many lights on a tree is worth its cost, and from two on where lights with and without a place meet: by
+/// power a small lamp would drown in an environment. Otherwise LightSelection::tree chooses by power. (A tree of the
+/// two triangles of a Cornell box costs 6 % more processor time for the same noise.)
 inline constexpr size_t kLeastLightsForTree = 8;
 
 /// `environmentFlux`: ∫ luminance dω of the environment, 0 for none. Powers are luminances: π L A for

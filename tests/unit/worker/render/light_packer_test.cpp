@@ -85,5 +85,20 @@ TEST(LightPacker, ASceneWithoutLightHasNone) {
     EXPECT_EQ(lights.features, 0u);
 }
 
+bool plantsATree(const Scene& scene, double environmentFlux) {
+    const PackedLights lights = packLights(scene, flatten(scene), environmentFlux, LightSelection::tree);
+    EXPECT_EQ(lights.tree.empty(), (lights.features & gpu::bit(gpu::FEATURE_LIGHT_TREE)) == 0);
+    return !lights.tree.empty();
+}
+
+TEST(LightPacker, PlantsATreeWhereItIsWorthItsCost) {
+    Scene scene = emissiveSquare(1, glm::vec3(1));
+    EXPECT_FALSE(plantsATree(scene, 0)) << "two triangles";
+    EXPECT_TRUE(plantsATree(scene, 10)) << "two triangles and an environment";
+    scene.lights.assign(6, pointLight(1));
+    EXPECT_TRUE(plantsATree(scene, 0)) << "eight lights";
+    EXPECT_FALSE(plantsATree(emissiveSquare(1, glm::vec3(0)), 10)) << "an environment alone";
+}
+
 }  // namespace
 }  // namespace tilefarm
