@@ -173,7 +173,20 @@ GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets
 // Words of the counter buffer, zeroed before every dispatch.
 GPU_CONSTANT COUNTER_RAYS = 0;
 GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 1;
-GPU_CONSTANT COUNTER_COUNT = 4;
+GPU_CONSTANT COUNTER_RECORDED = 2;      // dropped samples that had a place below, and those that had none
+GPU_CONSTANT COUNTER_FIRST_DROPPED = 4; // of the first of them: pixel (x + 65536 y), sample index
+GPU_CONSTANT RECORDED_SAMPLES = 8;
+GPU_CONSTANT COUNTER_COUNT = COUNTER_FIRST_DROPPED + 2 * RECORDED_SAMPLES;
+// Behind them, of each tile of the dispatch:
+GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or on the wrong side
+GPU_CONSTANT TILE_TRUNCATED = 1;  // paths that still carried light where the bounce limit ended them
+GPU_CONSTANT TILE_COUNTERS = 2;
+
+// For debugging: bits beyond FEATURE_COUNT, which nothing calls for and no report names.
+GPU_CONSTANT FEATURE_TRACE = 62;           // writes what a path meets behind the films: TRACE_TEXELS a bounce
+GPU_CONSTANT FEATURE_FAULT_INJECTION = 63; // makes one sample of 1e5 NaN
+GPU_CONSTANT TRACE_TEXELS = 3;  // position, t | throughput on arrival, pdf | radiance so far, primitive; the last: t < 0
+GPU_CONSTANT INJECTION_THRESHOLD = 42950;  // of 2^32
 
 // Constant for all passes of a frame. World space is the re-centred one of worker/scene/world.h.
 struct FrameParameters {

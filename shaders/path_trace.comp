@@ -15,6 +15,7 @@ layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
 
 uint rayCount = 0u;
+uint rejectedCount = 0u, truncatedCount = 0u;  // of paths, see TILE_* in gpu_types.h
 
 bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "intersect.glsl"
@@ -155,9 +156,12 @@ bool russianRoulette(inout PathState path, float u) {
 // Scatters the path at a surface. False: the path ends.
 bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
     BsdfSample b;
-    if (!bsdfSample(bsdf, wo, u.xyz, b)) return false;
-    vec3 direction = normalize(s.frame * b.wi);
-    if (dot(direction, s.geometricNormal) * b.wi.z <= 0.0) return false;
+    bool found = bsdfSample(bsdf, wo, u.xyz, b);
+    vec3 direction = found ? normalize(s.frame * b.wi) : vec3(0);
+    if (!found || dot(direction, s.geometricNormal) * b.wi.z <= 0.0) {
+        rejectedCount++;
+        return false;
+    }
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
@@ -185,6 +189,14 @@ void disperse(inout PathState path, inout MaterialPoint m, SampleKey key) {
     m.ior += (float(path.channel) - 1.0) * (m.ior - 1.0) * 0.025 * m.dispersion;
 }
 
+// Behind the films of one tile, for Renderer::trace; the step after a path's last has t < 0.
+void recordStep(uint step, vec3 position, float t, PathState path, uint primitive) {
+    uint at = 4u * pass.tileSize * pass.tileSize + step * TRACE_TEXELS;
+    film[at] = vec4(position, t);
+    film[at + 1u] = vec4(path.throughput, path.pdf);
+    film[at + 2u] = vec4(path.radiance, uintBitsToFloat(primitive));
+}
+
 PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
     PathSample result = PathSample(vec3(0), vec3(0), vec3(0), 0.0, 0.0);
     PathState path;
@@ -198,12 +210,14 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
     path.from = path.side = vec3(0);
     path.channel = 3u;
 
-    for (uint bounce = 0u;; bounce++) {
+    uint bounce = 0u;
+    for (;; bounce++) {
         Hit hit;
         path.ray.key = cutoutKey(key, bounce);
         rayCount++;
         if (!closestHit(path.ray, hit)) {
             addEnvironment(path, bounce);
+            if (has(FEATURE_TRACE)) recordStep(bounce, path.ray.direction, INFINITY, path, NO_INDEX);
             break;
         }
         if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);
@@ -221,7 +235,11 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
             break;
         }
         addEmission(path, s, m, hit.t);
-        if (bounce >= parameters.path.x) break;
+        if (has(FEATURE_TRACE)) recordStep(bounce, s.position, hit.t, path, s.primitive);
+        if (bounce >= parameters.path.x) {
+            truncatedCount++;
+            break;
+        }
 
         vec3 wo = worldWo * s.frame;
         if (wo.z <= 0.0) break;
@@ -234,6 +252,9 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
         if (!scatter(path, s, bsdf, m, wo, u)) break;
         if (bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
     }
+    if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)
+        path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
+    if (has(FEATURE_TRACE)) recordStep(bounce + 1u, path.ray.origin, -1.0, path, NO_INDEX);
     result.radiance = path.radiance;
     return result;
 }
@@ -262,10 +283,21 @@ void main() {
         key.index = pass.firstSample + i;
         PathSample s = renderSample(pixel, key);
         // A sample that is not finite leaves with its weight and is counted, never hidden.
-        if (isFinite(s.radiance)) addSample(result, s);
-        else dropped++;
+        if (isFinite(s.radiance)) {
+            addSample(result, s);
+        } else {
+            dropped++;
+            uint record = atomicAdd(counters[COUNTER_RECORDED], 1u);
+            if (record < RECORDED_SAMPLES) {
+                counters[COUNTER_FIRST_DROPPED + 2u * record] = key.pixel;
+                counters[COUNTER_FIRST_DROPPED + 2u * record + 1u] = key.index;
+            }
+        }
     }
     storePixel(at, result);
     atomicAdd(counters[COUNTER_RAYS], rayCount);
     if (dropped != 0u) atomicAdd(counters[COUNTER_DROPPED_SAMPLES], dropped);
+    uint ofTile = COUNTER_COUNT + gl_WorkGroupID.z * TILE_COUNTERS;
+    if (rejectedCount != 0u) atomicAdd(counters[ofTile + TILE_REJECTED], rejectedCount);
+    if (truncatedCount != 0u) atomicAdd(counters[ofTile + TILE_TRUNCATED], truncatedCount);
 }

@@ -8,6 +8,7 @@
 const uint DIMENSION_PIXEL = 0u;
 const uint DIMENSION_LENS = 1u;
 const uint DIMENSION_CHANNEL = 2u;  // the colour channel that a dispersed path follows
+const uint DIMENSION_INJECTION = 7u;  // which samples FEATURE_FAULT_INJECTION makes NaN
 const uint DIMENSION_BOUNCE = 8u;
 // Blocks of one bounce, counted from DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE.
 const uint DIMENSION_BSDF = 0u;         // lobe, direction (2), Russian roulette

@@ -36,6 +36,8 @@ struct Words {
     std::string device, tokenFile, tone = "pbrNeutral";
     double cacheGb = 20;
     int32_t frame = 0;
+    std::vector<uint32_t> pixel;
+    uint32_t sample = 0;
 };
 
 DeviceChoice deviceFrom(const std::string& word) {
@@ -67,7 +69,13 @@ void addAgentOptions(CLI::App& app, AgentConfig& agent, Words& words) {
 
 void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
     app.add_option("scene", config.render.files.entry, ".gltf or .glb")->required();
-    app.add_option("-o,--output", config.render.exr, "EXR file to write")->required();
+    CLI::Option* output = app.add_option("-o,--output", config.render.exr, "EXR file to write");
+    CLI::Option* pixel = app.add_option("--pixel", words.pixel,
+                                        "X,Y: show one sample of this pixel step by step; write nothing")
+                             ->delimiter(',')
+                             ->expected(2)
+                             ->excludes(output);
+    app.add_option("--sample", words.sample, "index of that sample")->capture_default_str()->needs(pixel);
     app.add_option("--png", config.render.png, "PNG file to write as well");
     app.add_option("--report", config.render.report, "JSON file for what was measured");
     app.add_option("--environment", config.render.files.environment, "equirectangular .hdr or .exr");
@@ -91,6 +99,8 @@ RenderConfig finished(RenderConfig config, const Words& words) {
     config.device = deviceFrom(words.device);
     if (config.device.all) throw CLI::ValidationError("--device", "a local render uses one device");
     config.render.spec.frames = {words.frame, 1};
+    if (!words.pixel.empty()) config.render.pixel = {words.pixel[0], words.pixel[1], words.sample};
+    if (!config.render.pixel && config.render.exr.empty()) throw CLI::RequiredError("--output");
     try {
         config.render.tone.curve = toneCurveFrom(words.tone);
     } catch (const Error& error) {

@@ -7,10 +7,12 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
+#include "shaders/gpu_types.h"
 #include "shared/error/error.h"
 #include "worker/agent/device_backend.h"
 #include "worker/agent/fleet.h"
@@ -46,6 +48,12 @@ public:
     }
 };
 
+// For tests of what becomes of faults: TILEFARM_INJECT_FAULTS=1 makes one sample of 1e5 NaN.
+uint64_t injectedFaults() {
+    const char* wanted = std::getenv("TILEFARM_INJECT_FAULTS");
+    return wanted && std::string_view(wanted) == "1" ? gpu::bit(gpu::FEATURE_FAULT_INJECTION) : 0;
+}
+
 std::vector<uint32_t> chosenDevices(const DeviceChoice& choice) {
     if (!choice.all) return {choice.index ? *choice.index : gpu::defaultDevice()};
     std::vector<uint32_t> gpus, software;
@@ -60,7 +68,7 @@ std::vector<FleetMember> membersFor(const AgentConfig& config, uint32_t salt) {
     std::vector<FleetMember> members;
     for (const uint32_t device : chosenDevices(config.device))
         members.push_back({fmt::format("{}-{}-{:04x}-{}", name, getpid(), salt & 0xFFFF, device),
-                           [device] { return makeDeviceBackend(device); }});
+                           [device] { return makeDeviceBackend(device, {}, injectedFaults()); }});
     return members;
 }
 
@@ -92,7 +100,8 @@ int runRender(const WorkerConfig& config, const RenderConfig& render) {
     gpu::useShaderCache(config.cache / "shaders");
     const auto backend = [&] {
         const uint32_t device = render.device.index ? *render.device.index : gpu::defaultDevice();
-        return makeDeviceBackend(device, {.validation = render.validation});
+        const uint64_t traced = render.render.pixel ? gpu::bit(gpu::FEATURE_TRACE) : 0;
+        return makeDeviceBackend(device, {.validation = render.validation}, injectedFaults() | traced);
     };
     runLocalRender(render.render, backend, SystemClock(), stderr);
     return 0;

@@ -80,6 +80,17 @@ std::vector<PassFilm> receiveFilms(HttpRequest& r, const ResultTarget& target) {
     return decodePassFilms(bytes);
 }
 
+void countFaults(Metrics& metrics, const std::vector<PassFilm>& films) {
+    uint64_t dropped = 0;
+    PassFaults faults;
+    for (const PassFilm& film : films) {
+        faults.add(film.faults);
+        for (const PassPixel& pixel : film.pixels)
+            dropped += film.samples.count - static_cast<uint64_t>(pixel.count);
+    }
+    metrics.faults(dropped, faults);
+}
+
 }  // namespace
 
 HttpResponse listWorkers(Services& s, HttpRequest&) {
@@ -135,6 +146,7 @@ HttpResponse putResult(Services& s, HttpRequest& r) {
     const auto films = receiveFilms(r, target);
     const ResultReceipt receipt = s.merger.accept(target, films, seconds);
     s.metrics.result(receipt, r.contentLength.value_or(0));
+    countFaults(s.metrics, films);
     return jsonResponse(200, dump(toJson(receipt)));
 }
 

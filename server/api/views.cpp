@@ -8,6 +8,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "server/report/job_faults.h"
 #include "shared/error/error.h"
 
 namespace tilefarm {
@@ -69,7 +70,9 @@ json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
             {"deviceSeconds", job.deviceSeconds},
             {"droppedSamples", job.droppedSamples},
             {"framesDone", job.framesDone},
-            {"faults", job.faults},
+            {"faults", faultsOf(job)},
+            {"flagged", isFlagged(job)},
+            {"numerics", numericsOf(job)},
             {"errorCurve", errorCurve(t, job.key, current)}};
 }
 

@@ -82,10 +82,12 @@ ResultMerger::Plan ResultMerger::plan(const ResultTarget& target, const std::vec
             for (const PassFilm* part : parts) {
                 const auto pass = t.passes.find(job->key, lease.frame, index, part->samples.first);
                 const bool wanted = pass && canMove(pass->state, PassState::merged);
-                if (wanted)
-                    tile.fresh.push_back(part);
-                else
+                if (!wanted) {
                     ++plan.result.alreadyMerged;
+                    continue;
+                }
+                tile.fresh.push_back(part);
+                plan.result.faults.add(part->faults);
             }
             const auto bySample = [](const PassFilm* a, const PassFilm* b) {
                 return a->samples.first < b->samples.first;

@@ -12,6 +12,7 @@
 #include "server/queue/job_catalog.h"
 #include "server/queue/worker_roster.h"
 #include "server/store/job_store.h"
+#include "shared/film/film.h"
 
 namespace tilefarm {
 
@@ -57,6 +58,7 @@ struct ResultMerge {
     double deviceSeconds = 0;      // the worker's statement for the whole upload
     uint64_t uploadedSamples = 0;  // pixel samples of the whole upload
     uint32_t alreadyMerged = 0;
+    PassFaults faults{};  // of the passes that are newly merged or held
 };
 
 /// A broken invariant that a sweep found, and what was done about it.

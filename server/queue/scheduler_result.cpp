@@ -17,6 +17,15 @@ uint64_t samplesOf(const JobInfo& job, uint32_t tile, uint32_t first) {
     return job.grid.rect(tile).area() * job.level(first)->count;
 }
 
+void addFaults(JobRow& job, const FrameRow& frame, const PassFaults& faults) {
+    job.rejectedPaths += faults.rejectedPaths;
+    job.truncatedPaths += faults.truncatedPaths;
+    for (const DroppedSample& s : faults.dropped)
+        if (job.faultSamples.size() < kMostDropped)
+            job.faultSamples.push_back(std::to_string(frame.frame) + ' ' + std::to_string(s.x) + ' ' +
+                                       std::to_string(s.y) + ' ' + std::to_string(s.sample));
+}
+
 }  // namespace
 
 // What an upload newly brought in.
@@ -63,6 +72,7 @@ ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& m
         job.passesMerged += tally.merged;
         job.pixelSamplesMerged += tally.samples;
         frame.passesMerged += tally.merged;
+        addFaults(job, frame, merge.faults);
         if (tally.merged > 0) {
             ++frame.revision;
             t.workers.addContribution({job.key, target.lease.worker, seconds, tally.merged, tally.samples});

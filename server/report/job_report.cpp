@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "server/report/job_faults.h"
+
 namespace tilefarm {
 
 using nlohmann::json;
@@ -55,6 +57,20 @@ json mergedReports(const std::vector<ReportRow>& rows) {
             {"workerReports", perWorker}};
 }
 
+// What loading the scene had to leave out or mend; every worker loads the same one.
+json sceneFaults(const std::vector<ReportRow>& rows) {
+    json faults{{"degenerateTriangles", 0}, {"sanitisedTexels", 0}};
+    for (const ReportRow& row : rows) {
+        const json counts = json::parse(row.json).value("counts", json::object());
+        if (!counts.is_object()) continue;
+        for (auto& [key, most] : faults.items()) {
+            const json count = counts.value(key, json(0));
+            if (count.is_number_unsigned() && count > most) most = count;
+        }
+    }
+    return faults;
+}
+
 }  // namespace
 
 json jobReport(const ConstTables& t, const JobRow& job) {
@@ -89,7 +105,10 @@ json jobReport(const ConstTables& t, const JobRow& job) {
                                 : json();
     report["devices"] = deviceList(devices);
     report["workers"] = workers;
-    report["faults"] = job.faults;
+    report["faults"] = faultsOf(job);
+    report["flagged"] = isFlagged(job);
+    report["numerics"] = numericsOf(job);
+    report["numerics"].update(sceneFaults(t.workers.reports(job.key)));
     report["frames"] = json::array();
     return report;
 }

@@ -29,6 +29,14 @@ struct Metrics::Impl {
     Counter& merged = counter("tilefarm_result_passes_total", "Passes of results", {{"outcome", "merged"}});
     Counter& repeated =
         counter("tilefarm_result_passes_total", "Passes of results", {{"outcome", "already_merged"}});
+    Counter& dropped =
+        counter("tilefarm_dropped_samples_total", "Samples in results that were NaN or infinite");
+    Counter& rejected =
+        counter("tilefarm_rejected_paths_total",
+                "Paths in results that ended on a direction without probability or on the wrong side");
+    Counter& truncated =
+        counter("tilefarm_truncated_paths_total",
+                "Paths in results that still carried light where the bounce limit ended them");
     Counter& failures = counter("tilefarm_failures_total", "Render errors that workers reported");
     Counter& violations = counter("tilefarm_sweep_violations_total", "Broken invariants that sweeps found");
     Gauge& openLeases = gauge("tilefarm_open_leases", "Leases on loan");
@@ -88,6 +96,12 @@ void Metrics::result(const ResultReceipt& receipt, uint64_t bytes) {
     impl_->resultBytes.Increment(static_cast<double>(bytes));
     impl_->merged.Increment(receipt.merged);
     impl_->repeated.Increment(receipt.alreadyMerged);
+}
+
+void Metrics::faults(uint64_t droppedSamples, const PassFaults& faults) {
+    impl_->dropped.Increment(static_cast<double>(droppedSamples));
+    impl_->rejected.Increment(static_cast<double>(faults.rejectedPaths));
+    impl_->truncated.Increment(static_cast<double>(faults.truncatedPaths));
 }
 
 void Metrics::failures(uint64_t reported) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "server/store/job_store.h"
+#include "shared/film/film.h"
 
 namespace tilefarm {
 
@@ -15,6 +16,8 @@ public:
     ~Metrics();
     void leases(uint64_t granted);
     void result(const ResultReceipt& receipt, uint64_t bytes);
+    /// Of a result that was received, whether or not its passes were merged before.
+    void faults(uint64_t droppedSamples, const PassFaults& faults);
     void failures(uint64_t reported);
     void violations(uint64_t found);
     std::string text(const JobStore& store, size_t openLeases, TimePoint now);

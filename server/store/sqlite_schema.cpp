@@ -181,7 +181,14 @@ CREATE TABLE events (
 CREATE INDEX events_of_job ON events(job, id);
 )sql";
 
-constexpr std::array kMigrations{kFirst};
+// What went wrong while samples were taken.
+constexpr const char* kFaults = R"sql(
+ALTER TABLE jobs ADD COLUMN rejected_paths INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN truncated_paths INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN fault_samples TEXT NOT NULL DEFAULT '';
+)sql";
+
+constexpr std::array kMigrations{kFirst, kFaults};
 
 }  // namespace
 

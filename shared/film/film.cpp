@@ -81,6 +81,13 @@ double FilmPixel::varianceOfMeanLuminance() const {
     return varianceOfMeanFrom(m2Luminance, count);
 }
 
+void PassFaults::add(const PassFaults& other) {
+    rejectedPaths += other.rejectedPaths;
+    truncatedPaths += other.truncatedPaths;
+    for (const DroppedSample& sample : other.dropped)
+        if (dropped.size() < kMostDropped) dropped.push_back(sample);
+}
+
 void requireUsable(const PassFilm& pass) {
     const auto refuse = [&](const std::string& why) {
         throw Error(ErrorCode::unprocessable, fmt::format("film of tile {}, samples {}+{}: {}", pass.tile,

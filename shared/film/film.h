@@ -23,12 +23,32 @@ struct PassPixel {
 };
 static_assert(sizeof(PassPixel) == 64, "must match shaders/gpu_types.h");
 
+/// A sample that was NaN or infinite; with scene, settings and frame it can be rendered again alone.
+struct DroppedSample {
+    uint32_t x = 0, y = 0;  // pixel of the image
+    uint32_t sample = 0;
+    friend bool operator==(const DroppedSample&, const DroppedSample&) = default;
+};
+
+/// What went wrong, or was left out, while samples were taken. The number of dropped samples stands in the
+/// pixels' counts.
+struct PassFaults {
+    uint64_t rejectedPaths = 0;          // ended on a direction without probability or on the wrong side
+    uint64_t truncatedPaths = 0;         // still carried light where the bounce limit ended them
+    std::vector<DroppedSample> dropped;  // the first few
+    /// Keeps at most `kMostDropped` samples.
+    void add(const PassFaults& other);
+    friend bool operator==(const PassFaults&, const PassFaults&) = default;
+};
+inline constexpr size_t kMostDropped = 16;
+
 /// Film of one pass of one tile.
 struct PassFilm {
     uint32_t tile = 0;
     Rect rect;
     SampleRange samples;
-    std::vector<PassPixel> pixels;  // rect.width * rect.height, rows from the top
+    std::vector<PassPixel> pixels{};  // rect.width * rect.height, rows from the top
+    PassFaults faults{};
 };
 
 /// Throws Error(unprocessable) that names tile and pixel where a film is not what a kernel can leave:

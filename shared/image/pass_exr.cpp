@@ -31,7 +31,8 @@ constexpr size_t kMostParts = 1 << 18;
 constexpr size_t kChunkHeader = 3 * sizeof(int32_t);
 constexpr std::string_view kPrefix = "tilefarm.";
 constexpr std::string_view kTile = "tilefarm.pass.tile", kFirst = "tilefarm.pass.first",
-                           kCount = "tilefarm.pass.count";
+                           kCount = "tilefarm.pass.count", kRejected = "tilefarm.pass.rejected",
+                           kTruncated = "tilefarm.pass.truncated", kDropped = "tilefarm.pass.dropped";
 
 struct Channel {
     std::string_view name;
@@ -124,6 +125,16 @@ private:
     std::vector<std::byte> bytes_;
 };
 
+// Only what there is: most passes have no fault.
+void writeFaults(Writer& out, const PassFaults& faults) {
+    if (faults.rejectedPaths > 0) out.attribute(kRejected, "tilefarm", faults.rejectedPaths);
+    if (faults.truncatedPaths > 0) out.attribute(kTruncated, "tilefarm", faults.truncatedPaths);
+    if (faults.dropped.empty()) return;
+    const auto* bytes = reinterpret_cast<const char*>(faults.dropped.data());
+    out.attribute(kDropped, "tilefarm",
+                  std::string_view(bytes, faults.dropped.size() * sizeof(DroppedSample)));
+}
+
 void writeHeader(Writer& out, const PassFilm& film, size_t part, const ImageSpec& image,
                  const std::string& channels) {
     out.attribute("channels", "chlist", std::string_view(channels));
@@ -142,6 +153,7 @@ void writeHeader(Writer& out, const PassFilm& film, size_t part, const ImageSpec
     out.attribute(kTile, "int", static_cast<int32_t>(film.tile));
     out.attribute(kFirst, "int", static_cast<int32_t>(film.samples.first));
     out.attribute(kCount, "int", static_cast<int32_t>(film.samples.count));
+    writeFaults(out, film.faults);
 }
 
 size_t chunkBytes(uint32_t width) {
@@ -181,6 +193,8 @@ struct PartHeader {
     std::optional<Box> dataWindow, displayWindow;
     std::optional<std::string_view> type;
     std::optional<int32_t> tile, first, count;
+    std::optional<uint64_t> rejected, truncated;
+    std::vector<DroppedSample> dropped;
     ImageAttributes attributes;
 };
 
@@ -193,6 +207,13 @@ void setFixed(std::optional<T>& out, std::string_view name, std::string_view val
     out = read;
 }
 
+void setDropped(PartHeader& h, std::string_view value) {
+    if (value.size() % sizeof(DroppedSample) != 0 || value.size() > kMostDropped * sizeof(DroppedSample))
+        throw std::runtime_error("its list of dropped samples has a wrong size");
+    h.dropped.resize(value.size() / sizeof(DroppedSample));
+    if (!value.empty()) std::memcpy(h.dropped.data(), value.data(), value.size());
+}
+
 void setAttribute(PartHeader& h, std::string_view name, std::string_view type, std::string_view value) {
     if (name == "channels") h.channels = value;
     if (name == "type") h.type = value;
@@ -202,6 +223,9 @@ void setAttribute(PartHeader& h, std::string_view name, std::string_view type, s
     if (name == kTile) setFixed(h.tile, name, value);
     if (name == kFirst) setFixed(h.first, name, value);
     if (name == kCount) setFixed(h.count, name, value);
+    if (name == kRejected) setFixed(h.rejected, name, value);
+    if (name == kTruncated) setFixed(h.truncated, name, value);
+    if (name == kDropped) setDropped(h, value);
     if (type == "string" && name.starts_with(kPrefix))
         h.attributes[std::string(name.substr(kPrefix.size()))] = std::string(value);
 }
@@ -240,6 +264,15 @@ PassFilm filmOf(const PartHeader& h) {
     film.samples = {static_cast<uint32_t>(*h.first), static_cast<uint32_t>(*h.count)};
     film.rect = {static_cast<uint32_t>(d.minX), static_cast<uint32_t>(d.minY),
                  static_cast<uint32_t>(d.maxX - d.minX + 1), static_cast<uint32_t>(d.maxY - d.minY + 1)};
+    film.faults = {h.rejected.value_or(0), h.truncated.value_or(0), h.dropped};
+    // More paths than were rendered end in no way.
+    const uint64_t paths = film.rect.area() * film.samples.count;
+    require(film.faults.truncatedPaths <= paths && film.faults.rejectedPaths <= paths,
+            "it counts more faults than paths");
+    for (const DroppedSample& sample : film.faults.dropped)
+        require(sample.x - film.rect.x < film.rect.width && sample.y - film.rect.y < film.rect.height &&
+                    sample.sample - film.samples.first < film.samples.count,
+                "a dropped sample is not of this pass");
     return film;
 }
 

@@ -100,6 +100,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.pixelSamplesMerged = 7;
         job.relativeError = 0.25;
         job.deviceSeconds = 1.5;
+        job.rejectedPaths = 11;
+        job.truncatedPaths = 12;
+        job.faultSamples = {"0 1 2 3", "4 5 6 7"};
         t.jobs.update(job);
     });
     read([&](const ConstTables& t) {
@@ -115,6 +118,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.relativeError, 0.25);
         EXPECT_EQ(found.deviceSeconds, 1.5);
         EXPECT_EQ(found.faults, (std::vector<std::string>{"one", "two words"}));
+        EXPECT_EQ(found.rejectedPaths, 11u);
+        EXPECT_EQ(found.truncatedPaths, 12u);
+        EXPECT_EQ(found.faultSamples, (std::vector<std::string>{"0 1 2 3", "4 5 6 7"}));
         EXPECT_EQ(t.jobs.find("a")->key, key);
         EXPECT_FALSE(t.jobs.find("b"));
         EXPECT_FALSE(t.jobs.findByIdempotencyKey(""));

@@ -18,12 +18,14 @@ SceneCounts countsOf(const Scene& scene) {
     counts.materials = scene.materials.size();
     counts.images = scene.images.size();
     counts.degenerateTriangles = scene.degenerateTriangles;
+    counts.sanitisedTexels = scene.sanitisedTexels;
     return counts;
 }
 
 class DeviceBackend : public RenderBackend {
 public:
-    DeviceBackend(uint32_t index, gpu::DeviceOptions options) : index_(index), options_(options) {
+    DeviceBackend(uint32_t index, gpu::DeviceOptions options, uint64_t alsoCompiled)
+        : index_(index), options_(options), alsoCompiled_(alsoCompiled) {
         device_.emplace(index_, options_);
         name_ = {device_->info().name, device_->info().driver};
     }
@@ -39,10 +41,11 @@ public:
         const Camera camera = selectCamera(scene, spec.camera, aspect);
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;
 
-        renderer_.emplace(*device_, scene, camera, spec.image, spec.settings);
+        renderer_.emplace(*device_, scene, camera, spec.image, spec.settings, alsoCompiled_);
         PreparedScene prepared;
         prepared.counts = countsOf(scene);
         prepared.counts.triangles = renderer_->triangleCount();
+        prepared.counts.degenerateTriangles += renderer_->degenerateTriangles();
         prepared.warnings = std::move(scene.warnings);
         prepared.features = renderer_->features();
         prepared.loadSeconds = loading.count();
@@ -54,6 +57,11 @@ public:
                                  SampleRange samples) override {
         if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
         return renderer_->render(frame, tiles, samples);
+    }
+
+    SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample) override {
+        if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        return renderer_->trace(frame, x, y, sample);
     }
 
     RenderStats stats() const override { return renderer_ ? renderer_->stats() : RenderStats{}; }
@@ -68,6 +76,7 @@ public:
 private:
     uint32_t index_;
     gpu::DeviceOptions options_;
+    uint64_t alsoCompiled_;
     DeviceName name_;
     std::optional<gpu::Device> device_;  // outlives the renderer
     std::optional<Renderer> renderer_;
@@ -75,8 +84,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options) {
-    return std::make_unique<DeviceBackend>(device, options);
+std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options,
+                                                 uint64_t alsoCompiled) {
+    return std::make_unique<DeviceBackend>(device, options, alsoCompiled);
 }
 
 }  // namespace tilefarm

@@ -8,7 +8,8 @@
 
 namespace tilefarm {
 
-/// RenderBackend on a Vulkan device. Throws as gpu::Device does.
-std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options = {});
+/// RenderBackend on a Vulkan device; `alsoCompiled` as for Renderer. Throws as gpu::Device does.
+std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options = {},
+                                                 uint64_t alsoCompiled = 0);
 
 }  // namespace tilefarm

@@ -11,6 +11,10 @@ nlohmann::json toJson(const PreparedScene& scene) {
         warnings.push_back({{"feature", w.feature}, {"where", w.where}, {"instead", w.instead}});
     return {{"warnings", warnings},
             {"features", {{"used", scene.features.used}, {"leftOut", scene.features.leftOut}}},
+            {"counts",
+             {{"triangles", scene.counts.triangles},
+              {"degenerateTriangles", scene.counts.degenerateTriangles},
+              {"sanitisedTexels", scene.counts.sanitisedTexels}}},
             {"prepareSeconds", scene.seconds()}};
 }
 

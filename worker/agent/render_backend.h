@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/error/error.h"
 #include "shared/film/film.h"
 #include "shared/job/job.h"
 #include "worker/render/renderer.h"
@@ -19,7 +20,8 @@ struct SceneFiles {
 };
 
 struct SceneCounts {
-    uint64_t triangles = 0, instances = 0, lights = 0, materials = 0, images = 0, degenerateTriangles = 0;
+    uint64_t triangles = 0, instances = 0, lights = 0, materials = 0, images = 0, degenerateTriangles = 0,
+             sanitisedTexels = 0;
 };
 
 /// What there is to say of a scene that has become resident.
@@ -51,6 +53,10 @@ struct RenderBackend {
                                          SampleRange samples) = 0;
     /// Sums over the calls of render() since prepare().
     virtual RenderStats stats() const = 0;
+    /// As Renderer::trace, of the resident scene. Throws Error(unavailable) where the device cannot.
+    virtual SampleTrace trace(int32_t, uint32_t, uint32_t, uint32_t) {
+        throw Error(ErrorCode::unavailable, "this device traces no single samples");
+    }
     /// Lets go of the scene.
     virtual void drop() = 0;
     /// After an error: lets go of the device too, which may be lost, and opens it anew when needed.

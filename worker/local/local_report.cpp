@@ -26,7 +26,25 @@ json sceneJson(const JobSpec& spec, const PreparedScene& scene) {
             {"lights", counts.lights},
             {"materials", counts.materials},
             {"images", counts.images},
-            {"degenerateTriangles", counts.degenerateTriangles}};
+            {"degenerateTriangles", counts.degenerateTriangles},
+            {"sanitisedTexels", counts.sanitisedTexels}};
+}
+
+// As the server's reports have it, without what the scene says.
+json numericsJson(const JobSpec& spec, const RenderStats& stats) {
+    json samples = json::array();
+    for (const DroppedSample& s : stats.faults.dropped)
+        samples.push_back({{"frame", spec.frames.first},
+                           {"x", s.x},
+                           {"y", s.y},
+                           {"sample", s.sample},
+                           {"seed", spec.settings.seed}});
+    const double paths = static_cast<double>(stats.samples);
+    return {{"droppedSamples", stats.droppedSamples},
+            {"rejectedPaths", stats.faults.rejectedPaths},
+            {"truncatedPaths", stats.faults.truncatedPaths},
+            {"truncatedShare", paths > 0 ? static_cast<double>(stats.faults.truncatedPaths) / paths : 0},
+            {"samples", samples}};
 }
 
 json warningsJson(const PreparedScene& scene) {
@@ -82,6 +100,7 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
         {"samplesPerSecond", perSecond(stats.samples, stats.deviceSeconds)},
         {"raysPerSecond", perSecond(stats.rays, stats.deviceSeconds)},
         {"droppedSamples", stats.droppedSamples},
+        {"numerics", numericsJson(spec, stats)},
         {"samplesPerPixel", spec.stop.samples},
         {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
         {"errorCurve", curveJson(frame)}};

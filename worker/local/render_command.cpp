@@ -70,6 +70,22 @@ FloatImage colourOf(const ImageSpec& image, const std::vector<FilmTile>& tiles) 
     return picture;
 }
 
+std::string text(const glm::vec3& v) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
+}
+
+void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* out) {
+    fmt::print(out, "pixel {},{} sample {}: radiance {}\n", at.x, at.y, at.sample, text(trace.radiance));
+    for (size_t i = 0; i < trace.steps.size(); ++i) {
+        const TraceStep& s = trace.steps[i];
+        const bool left = s.primitive == kNone;
+        fmt::print(out, "  {:>3}  {}  throughput {}  pdf {:.6g}  radiance so far {}\n", i,
+                   left ? fmt::format("left the scene towards {}", text(s.position))
+                        : fmt::format("primitive {} at {} after {:.6g}", s.primitive, text(s.position), s.t),
+                   text(s.throughput), s.pdf, text(s.radiance));
+    }
+}
+
 }  // namespace
 
 void requireValid(const LocalRender& render) {
@@ -81,7 +97,7 @@ void requireValid(const LocalRender& render) {
 }
 
 void runLocalRender(const LocalRender& render, const std::function<std::unique_ptr<RenderBackend>()>& backend,
-                    const Clock& clock, std::FILE* progress) {
+                    const Clock& clock, std::FILE* progress, std::FILE* samples) {
     requireValid(render);
     for (const fs::path& output : {render.exr, render.png, render.report}) requireFolderOf(output);
     JobSpec spec = render.spec;
@@ -91,12 +107,16 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
     const PreparedScene scene = device->prepare(spec, render.files);
     for (const SceneWarning& w : scene.warnings)
         fmt::print(progress, "warning: {}: {}: {}\n", w.where, w.feature, w.instead);
+    if (const auto& at = render.pixel)
+        return showSample(*at, device->trace(spec.frames.first, at->x, at->y, at->sample), samples);
     ProgressLine line(progress);
     const RenderedFrame frame =
         renderFrame(*device, spec, spec.frames.first, clock, [&](const FrameProgress& p) { line.show(p); });
     if (frame.stats.droppedSamples > 0)
         fmt::print(progress, "warning: {} samples were not finite and were dropped\n",
                    frame.stats.droppedSamples);
+    for (const DroppedSample& s : frame.stats.faults.dropped)
+        fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
 
     writeFrameExr(
         render.exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },

@@ -1,7 +1,7 @@
 #include "worker/render/renderer.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <chrono>
 #include <cstring>
 
@@ -65,6 +65,7 @@ struct Renderer::Impl {
         : Impl(on, source, flatten(source), camera, size, settings, alsoCompiled) {}
 
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples);
+    SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample);
 
     const gpu::Device& device;
     ImageSpec image;
@@ -78,13 +79,18 @@ struct Renderer::Impl {
     gpu::StorageBuffer parameterBuffer, tileBuffer, filmBuffer, counterBuffer;
     std::vector<gpu::Binding> bindings;
     RenderStats stats;
+    uint64_t degenerateTriangles;
 
 private:
     Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world, const Camera& camera,
          const ImageSpec& size, const RenderSettings& settings, uint64_t alsoCompiled);
     void renderBatch(std::span<const uint32_t> tiles, SampleRange samples, std::vector<PassFilm>& films);
     void uploadTiles(std::span<const uint32_t> tiles);
-    void dispatch(uint32_t tileCount, SampleRange pass, SampleRange part);
+    std::vector<uint32_t> dispatch(uint32_t tileCount, SampleRange pass, SampleRange part);
+    void countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
+                     std::span<PassFaults> faults);
+    bool traces() const { return (scene.features & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
+    uint64_t filmBytes() const;
     PassFilm cropped(uint32_t tile, SampleRange samples, const std::byte* film) const;
     uint64_t tilePixels() const { return uint64_t{image.tileSize} * image.tileSize; }
 };
@@ -99,11 +105,15 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeom
       features(reportFeatures(scene.features)),
       parameters(frameParameters(scene, world.recentred(camera), size, settings)),
       pipeline(on, pipelineSpec(scene)),
-      tilesPerBatch(static_cast<uint32_t>(std::clamp<uint64_t>(kFilmPixels / tilePixels(), 1, grid.count()))),
+      tilesPerBatch(traces() ? 1
+                             : static_cast<uint32_t>(
+                                   std::clamp<uint64_t>(kFilmPixels / tilePixels(), 1, grid.count()))),
       parameterBuffer(on, sizeof(gpu::FrameParameters), "frame parameters"),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
-      filmBuffer(on, sizeof(PassPixel) * tilePixels() * tilesPerBatch, "film"),
-      counterBuffer(on, sizeof(uint32_t) * gpu::COUNTER_COUNT, "counters") {
+      filmBuffer(on, filmBytes(), "film"),
+      counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
+                    "counters"),
+      degenerateTriangles(world.degenerateTriangles) {
     bindings.assign(scene.buffers.begin(), scene.buffers.end());
     bindings.insert(bindings.end(), {parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
     // Drivers compile on first use: an empty dispatch keeps that out of the first pass's time.
@@ -126,7 +136,35 @@ void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
     tileBuffer.upload(gpu::bytesOf(rects));
 }
 
-void Renderer::Impl::dispatch(uint32_t tileCount, SampleRange pass, SampleRange part) {
+// A trace stands behind the film of one tile: a step for every scattering, for what the last ray met, and an
+// end.
+uint64_t Renderer::Impl::filmBytes() const {
+    const uint64_t steps = traces() ? uint64_t{parameters.path.x} + 3 : 0;
+    return sizeof(PassPixel) * tilePixels() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
+}
+
+// Of one dispatch; `faults` by tile of the batch.
+void Renderer::Impl::countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
+                                 std::span<PassFaults> faults) {
+    const std::span ofTiles = counts.subspan(gpu::COUNTER_COUNT);
+    const uint32_t recorded = std::min(counts[gpu::COUNTER_RECORDED], gpu::RECORDED_SAMPLES);
+    for (uint32_t i = 0; i < recorded; ++i) {
+        const uint32_t* record = &counts[gpu::COUNTER_FIRST_DROPPED + 2 * i];
+        const uint32_t x = record[0] & 0xffffu, y = record[0] >> 16;
+        const uint32_t tile = y / image.tileSize * grid.columns + x / image.tileSize;
+        const auto at = std::find(tiles.begin(), tiles.end(), tile) - tiles.begin();
+        PassFaults one;
+        one.dropped.push_back({x, y, record[1]});
+        faults[static_cast<size_t>(at)].add(one);
+    }
+    for (size_t i = 0; i < faults.size(); ++i) {
+        faults[i].rejectedPaths += ofTiles[i * gpu::TILE_COUNTERS + gpu::TILE_REJECTED];
+        faults[i].truncatedPaths += ofTiles[i * gpu::TILE_COUNTERS + gpu::TILE_TRUNCATED];
+    }
+}
+
+// Gives the counters.
+std::vector<uint32_t> Renderer::Impl::dispatch(uint32_t tileCount, SampleRange pass, SampleRange part) {
     const gpu::PassConstants constants{part.first, part.count, pass.first, image.tileSize};
     const uint32_t groups = (image.tileSize + kGroupSize - 1) / kGroupSize;
     counterBuffer.zero();
@@ -135,10 +173,12 @@ void Renderer::Impl::dispatch(uint32_t tileCount, SampleRange pass, SampleRange 
     const size_t counters = run.read(counterBuffer);
     gpu::Submission submission = run.submit();
     stats.deviceSeconds += submission.wait();
-    std::array<uint32_t, gpu::COUNTER_COUNT> counts;
-    std::memcpy(counts.data(), submission.bytes(counters).data(), sizeof counts);
+    const std::span<const std::byte> bytes = submission.bytes(counters);
+    std::vector<uint32_t> counts(bytes.size() / sizeof(uint32_t));
+    std::memcpy(counts.data(), bytes.data(), bytes.size());
     stats.rays += counts[gpu::COUNTER_RAYS];
     stats.droppedSamples += counts[gpu::COUNTER_DROPPED_SAMPLES];
+    return counts;
 }
 
 PassFilm Renderer::Impl::cropped(uint32_t tile, SampleRange samples, const std::byte* film) const {
@@ -161,17 +201,22 @@ void Renderer::Impl::renderBatch(std::span<const uint32_t> tiles, SampleRange sa
     for (const uint32_t tile : tiles) pixels += grid.rect(tile).area();
     const uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
     const auto step = static_cast<uint32_t>(std::clamp<uint64_t>(most / pixels, 1, samples.count));
-    for (uint32_t done = 0; done < samples.count; done += step)
-        dispatch(static_cast<uint32_t>(tiles.size()), samples,
-                 {samples.first + done, std::min(step, samples.count - done)});
+    std::vector<PassFaults> faults(tiles.size());
+    for (uint32_t done = 0; done < samples.count; done += step) {
+        const SampleRange part{samples.first + done, std::min(step, samples.count - done)};
+        countFaults(dispatch(static_cast<uint32_t>(tiles.size()), samples, part), tiles, faults);
+    }
     stats.samples += pixels * samples.count;
 
     gpu::CommandRun run(device);
     const size_t film = run.read(filmBuffer, 0, sizeof(PassPixel) * tilePixels() * tiles.size());
     gpu::Submission submission = run.submit();
     const std::byte* bytes = submission.bytes(film).data();
-    for (size_t i = 0; i < tiles.size(); ++i)
+    for (size_t i = 0; i < tiles.size(); ++i) {
         films.push_back(cropped(tiles[i], samples, bytes + i * tilePixels() * sizeof(PassPixel)));
+        films.back().faults = faults[i];
+        stats.faults.add(faults[i]);
+    }
 }
 
 std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint32_t> tiles,
@@ -191,6 +236,27 @@ std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint
     return films;
 }
 
+SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample) {
+    if (!traces()) throw Error(ErrorCode::invalidArgument, "this renderer was not made for tracing samples");
+    if (x >= image.width || y >= image.height)
+        throw Error(ErrorCode::invalidArgument,
+                    "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is outside of the image");
+    parameters.image.w = static_cast<uint32_t>(frame);
+    parameterBuffer.upload(gpu::bytesOfValue(parameters));
+    tileBuffer.upload(gpu::bytesOfValue(gpu::uvec4(x, y, 1, 1)));
+    dispatch(1, {sample, 1}, {sample, 1});
+    std::vector<gpu::vec4> texels((filmBytes() - sizeof(PassPixel) * tilePixels()) / sizeof(gpu::vec4));
+    filmBuffer.read(std::as_writable_bytes(std::span(texels)), sizeof(PassPixel) * tilePixels());
+    SampleTrace result;
+    for (size_t i = 0; i + gpu::TRACE_TEXELS <= texels.size(); i += gpu::TRACE_TEXELS) {
+        const gpu::vec4 at = texels[i], weight = texels[i + 1], light = texels[i + 2];
+        result.radiance = light;
+        if (at.w < 0) break;
+        result.steps.push_back({at, at.w, weight, weight.w, light, std::bit_cast<uint32_t>(light.w)});
+    }
+    return result;
+}
+
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera,
                    const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
     : impl_(std::make_unique<Impl>(device, scene, camera, image, settings, alsoCompiled)) {}
@@ -199,6 +265,10 @@ Renderer::~Renderer() = default;
 
 std::vector<PassFilm> Renderer::render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples) {
     return impl_->render(frame, tiles, samples);
+}
+
+SampleTrace Renderer::trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample) {
+    return impl_->trace(frame, x, y, sample);
 }
 
 const RenderStats& Renderer::stats() const {
@@ -215,6 +285,9 @@ uint64_t Renderer::featureBits() const {
 }
 uint64_t Renderer::triangleCount() const {
     return impl_->scene.triangles;
+}
+uint64_t Renderer::degenerateTriangles() const {
+    return impl_->degenerateTriangles;
 }
 
 }  // namespace tilefarm

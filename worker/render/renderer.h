@@ -27,6 +27,22 @@ struct RenderStats {
     uint64_t samples = 0;      // camera paths
     uint64_t rays = 0;         // closest-hit and shadow rays
     uint64_t droppedSamples = 0;
+    PassFaults faults{};
+};
+
+/// One step of a path as Renderer::trace saw it.
+struct TraceStep {
+    glm::vec3 position{0};  // where it met a surface; of a ray that left the scene its direction
+    float t = 0;            // along the ray; infinite for one that left
+    glm::vec3 throughput{0};
+    float pdf = 0;          // of the direction that led here, 1/sr
+    glm::vec3 radiance{0};  // gathered up to here, light that this surface emits included
+    uint32_t primitive = 0;
+};
+
+struct SampleTrace {
+    glm::vec3 radiance{0};  // of the sample; NaN or infinite for one that a render drops
+    std::vector<TraceStep> steps;
 };
 
 struct PrepareTimes {
@@ -48,11 +64,17 @@ public:
     /// given. A sample is a pure function of (scene, settings, frame, pixel, sample index).
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples);
 
+    /// One sample of one pixel alone, step by step: for debugging. Throws Error(invalidArgument) unless
+    /// FEATURE_TRACE was compiled in and the pixel is in the image.
+    SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample);
+
     /// Sums over all calls so far.
     const RenderStats& stats() const;
     const FeatureReport& features() const;
     const PrepareTimes& prepareTimes() const;
     uint64_t triangleCount() const;
+    /// Left out although the scene names them: collapsed by a transform, or beyond a float.
+    uint64_t degenerateTriangles() const;
     /// FEATURE_* bits that the kernel holds.
     uint64_t featureBits() const;
 

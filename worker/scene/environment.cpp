@@ -78,6 +78,7 @@ void loadEnvironment(Scene& scene, const std::filesystem::path& path) {
     Image image = readNamed(path);
     image.name = path.filename().string();
     if (const uint64_t bad = dropBadTexels(image)) {
+        scene.sanitisedTexels = bad;
         scene.warnings.push_back(
             {"environment", image.name,
              fmt::format("{} texels that are not finite or negative are rendered black", bad)});

@@ -58,6 +58,28 @@ TEST(PassExr, KeepsEveryBit) {
     EXPECT_EQ(decodePassAttributes(bytes), kAttributes);
 }
 
+TEST(PassExr, CarriesTheFaultsOfEachPass) {
+    auto films = someFilms();
+    const Rect& r = films[1].rect;
+    films[1].faults = {7, uint64_t{1} << 10, {{r.x + 3, r.y + 2, 65}, {r.x, r.y, 127}}};
+    const auto read = decodePassFilms(encodePassFilms(films, kImage, kAttributes));
+    for (size_t i = 0; i < films.size(); ++i) EXPECT_EQ(read[i].faults, films[i].faults) << i;
+}
+
+TEST(HostilePassExr, WithFaultsThatCannotBeIsRefused) {
+    const auto refused = [](const PassFaults& faults) {
+        auto films = someFilms();
+        films[1].faults = faults;
+        const auto bytes = encodePassFilms(films, kImage, kAttributes);
+        return codeOf([&] { decodePassFilms(bytes); }) == ErrorCode::unprocessable;
+    };
+    const Rect r = someFilms()[1].rect;
+    EXPECT_TRUE(refused({uint64_t{1} << 40, 0, {}}));
+    EXPECT_TRUE(refused({0, 0, {{r.x + r.width, r.y, 64}}})) << "beside the tile";
+    EXPECT_TRUE(refused({0, 0, {{r.x, r.y, 3}}})) << "of another pass";
+    EXPECT_TRUE(refused({0, 0, std::vector<DroppedSample>(kMostDropped + 1, {r.x, r.y, 64})}));
+}
+
 TEST(PassExr, IsAnExrThatOpenExrReadsAlike) {
     const TemporaryFolder folder;
     const auto films = someFilms();

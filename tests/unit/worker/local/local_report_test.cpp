@@ -16,7 +16,8 @@ struct LocalReportTest : testing::Test {
         scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
         scene.features = {{"environment"}, {"textures"}};
         scene.loadSeconds = 0.5;
-        frame.stats = {2.0, 1000, 4000, 7};
+        frame.stats = {2.0, 1000, 4000, 7, {3, 250, {{5, 6, 11}}}};
+        spec.settings.seed = 9;
         frame.seconds = 2.5;
         frame.errorCurve = {{1, std::nullopt, 0.5}, {2, 0.25, 2.0}};
     }
@@ -42,6 +43,10 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["samplesPerSecond"], 500.0);
     EXPECT_EQ(report["raysPerSecond"], 2000.0);
     EXPECT_EQ(report["droppedSamples"], 7);
+    EXPECT_EQ(report["numerics"]["rejectedPaths"], 3);
+    EXPECT_EQ(report["numerics"]["truncatedShare"], 0.25);
+    EXPECT_EQ(report["numerics"]["samples"][0],
+              (nlohmann::json{{"frame", 0}, {"x", 5}, {"y", 6}, {"sample", 11}, {"seed", 9}}));
     EXPECT_EQ(report["errorCurve"][0]["relativeError"], nullptr);
     EXPECT_EQ(report["errorCurve"][1]["relativeError"], 0.25);
     EXPECT_EQ(report["relativeError"], 0.25);
