@@ -169,6 +169,27 @@ TEST_F(HardEnvironment, FullHardCase32_TexelPicks) {
     expectPicksInProportion(device, 8192, 4096, 4'000'000);
 }
 
+TEST_F(HardEnvironment, HardCase33_EstimatorsAgree) {
+    // The sun is a texel of a coarse map, so that the BSDF finds it often enough to have an error that says
+    // something.
+    for (const auto& [map, samples] :
+         {std::pair(uniformEnvironment(glm::vec3(1)), 16u), {mapOf(32, 16, oneTexel), 512u}}) {
+        std::vector<Mean> means;
+        for (const DirectLight mode : {DirectLight::mis, DirectLight::lights, DirectLight::bsdf}) {
+            const Shot shot{.size = 16,
+                            .samples = mode == DirectLight::bsdf ? samples : 64,
+                            .maxBounces = 1,
+                            .seed = static_cast<uint32_t>(mode) + 1,
+                            .directLight = mode};
+            means.push_back(meanOf(render(device, floorUnder(map), downwards(), shot)));
+            EXPECT_LT(means.back().sigma, 0.05 * means.back().value);
+        }
+        expectSameMean(means[0], means[1]);
+        expectSameMean(means[0], means[2]);
+        expectSameMean(means[1], means[2]);
+    }
+}
+
 TEST_F(HardEnvironment, HardCase32_TexelsThatAreNoRadiance) {
     constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
                     inf = std::numeric_limits<float>::infinity();

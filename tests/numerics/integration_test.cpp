@@ -216,6 +216,94 @@ TEST_F(HardPath, HardCase46_AlphaAndTextures) {
     expectColour(-0.5, 0, "second set of coordinates");
 }
 
+// ---- 6
+
+Scene wrappedBall(float ior) {
+    Scene scene;
+    scene.materials = {matte({1, 0, 0}), glass(ior)};
+    scene.materials[0].unlit = true;
+    for (uint32_t i = 0; i < 2; ++i) {
+        Shape ball;
+        ball.size = glm::dvec3(i == 0 ? 1 : 1 + 4e-5);
+        ball.material = i;
+        scene.shapes.push_back(ball);
+    }
+    scene.environment = uniformEnvironment({0, 0, 1});
+    return scene;
+}
+
+void expectNoLeak(const gpu::Device& device, const Shot& shot) {
+    const Camera camera = cameraAt({1, 2, 3.5}, {0, 0, 0}, 0.3);
+    // An index of 1 lets every ray straight in: blue is what got past the ball within.
+    const Picture straight = render(device, wrappedBall(1), camera, shot);
+    const double leak = meanOf(straight, 2).value;
+    recordWorst("leak", leak);
+    EXPECT_LE(leak, 1e-4);
+    EXPECT_NEAR(meanOf(straight, 0).value, 1, 1e-4);
+    const Picture bent = render(device, wrappedBall(1.5f), camera, shot);
+    // What shines within the glass leaves it by 1 / 1.5² as bright, less what the interface reflects.
+    for (const FilmPixel& pixel : bent.pixels)
+        ASSERT_GT(pixel.mean[0], 0.3) << "the inner colour in every pixel";
+    EXPECT_EQ(straight.stats.droppedSamples + bent.stats.droppedSamples, 0u);
+}
+
+TEST_F(HardPath, HardCase06_ThinGap) {
+    expectNoLeak(device, {.size = 24, .samples = 64, .maxBounces = 16});
+}
+TEST_F(HardPath, FullHardCase06_ThinGap) {
+    expectNoLeak(device, {.size = 128, .samples = 256, .maxBounces = 64});
+}
+
+// ---- 47
+
+TEST_F(HardPath, HardCase47_ExtremeCameras) {
+    Scene scene;
+    addMesh(scene, sphereMesh(16), matte(glm::vec3(0.8f)));
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    for (const double degrees : {0.05, 179.0})
+        for (const bool orthographic : {false, true}) {
+            Camera camera = cameraAt({0, 0, 3}, {0, 0, 0}, glm::radians(degrees));
+            camera.orthographic = orthographic;
+            const Picture picture = render(device, scene, camera, {.size = 16, .samples = 16});
+            EXPECT_TRUE(allFinite(picture));
+            EXPECT_EQ(picture.stats.droppedSamples, 0u);
+            EXPECT_EQ(blackPixels(picture), 0u);
+            // The middle of the ball: white but for what its mesh loses (case 49).
+            if (degrees < 1 && !orthographic) expectMean(meanOf(picture), 0.8, 1e-3);
+        }
+}
+
+// ---- 48
+
+TEST_F(HardPath, HardCase48_NothingToSee) {
+    const Camera camera = cameraAt({0, 0, 5}, {0, 0, 0}, 0.5);
+    const auto value = [&](const Scene& scene) {
+        const Picture picture = render(device, scene, camera, {.size = 8, .samples = 2});
+        EXPECT_TRUE(allFinite(picture));
+        EXPECT_EQ(picture.stats.droppedSamples, 0u);
+        return meanOf(picture).value;
+    };
+    Scene empty;
+    empty.materials.emplace_back();
+    EXPECT_EQ(value(empty), 0);
+    Scene sky = empty;
+    sky.environment = uniformEnvironment(glm::vec3(0.25f));
+    EXPECT_EQ(value(sky), 0.25);
+    Scene unlit;
+    addMesh(unlit, cubeMesh(false), matte(glm::vec3(0.5f)));
+    EXPECT_EQ(value(unlit), 0);
+    Scene noTriangles;
+    addMesh(noTriangles, Mesh{}, matte(glm::vec3(0.5f)));
+    EXPECT_EQ(value(noTriangles), 0);
+    Scene huge;
+    Mesh wall;
+    wall.positions = {{-1e9f, -1e9f, 0}, {1e9f, -1e9f, 0}, {0, 1e9f, 0}};
+    wall.triangles = {{0, 1, 2}};
+    addMesh(huge, wall, matte(glm::vec3(0.5f)));
+    huge.environment = uniformEnvironment(glm::vec3(1));
+    EXPECT_NEAR(value(huge), 0.5, 0.05) << "one triangle of 1e9";
+}
+
 // ---- 54
 
 /// Two mirrors of reflectance R that glow with radiance 1 and face each other, and a camera between them.

@@ -4,6 +4,8 @@
 
 #include "tests/numerics/picture.h"
 #include "tests/shader/device_fixture.h"
+#include "tests/shader/light_probe_runner.h"
+#include "tests/support/triangle_scenes.h"
 #include "worker/render/light_packer.h"
 #include "worker/scene/world.h"
 
@@ -139,6 +141,50 @@ TEST_F(HardLight, HardCase37_SpotsAndPointsAtTheirLimits) {
         point.position = {0, distance, 0};
         const double expected = formula(2, distance, 0);
         EXPECT_NEAR(lit(point, {0, 0, 0}, distance), expected, 1e-4 * expected) << distance;
+    }
+}
+
+// ---- 38
+
+Scene manyLamps(uint32_t count) {
+    Scene scene = floorScene();
+    RandomNumbers random(38);
+    for (uint32_t i = 0; i < count; ++i) {
+        PunctualLight lamp;
+        lamp.position = {random.between(-5, 5), random.between(0.2f, 1), random.between(-5, 5)};
+        lamp.color = glm::vec3(random.between(0.1f, 1));
+        scene.lights.push_back(lamp);
+    }
+    return scene;
+}
+
+TEST_F(HardLight, HardCase38_TenThousandLights) {
+    const Scene scene = manyLamps(10'000);
+    const auto mean = [&](LightSelection selection, uint32_t samples) {
+        return meanOf(render(device, scene, cameraAt({1, 1.5, 1}, {0.5, 0, 0.5}, 0.2),
+                             {.size = 16, .samples = samples, .maxBounces = 1, .lightSelection = selection}));
+    };
+    const Mean tree = mean(LightSelection::tree, 32), uniform = mean(LightSelection::uniform, 128);
+    expectSameMean(tree, uniform);
+    EXPECT_LT(tree.sigma, uniform.sigma) << "with a quarter of the samples";
+
+    LightProbe probe(device, scene, [] {
+        RenderSettings settings;
+        settings.lightSelection = LightSelection::tree;
+        return settings;
+    }());
+    std::vector<LightQuery> queries;
+    for (uint32_t i = 0; i < 2000; ++i) {
+        LightQuery query{};
+        query.position = glm::vec4(0.005f * float(i) - 5, 0, 1, 0);
+        query.normal = glm::vec4(0, 1, 0, 0);
+        query.bits = glm::uvec4(i * 2654435761u, i * 40503u * 65537u, 0, 0);
+        query.ask = glm::uvec4(PROBE_TREE, 0, i, 0);
+        queries.push_back(query);
+    }
+    for (const LightAnswer& a : probe.ask(queries)) {
+        recordWorst("pmf", std::abs(double{a.chosen.z} / double{a.chosen.y} - 1));
+        ASSERT_NEAR(a.chosen.z, a.chosen.y, 1e-5f * a.chosen.y);
     }
 }
 

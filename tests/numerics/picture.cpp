@@ -18,6 +18,7 @@ RenderSettings settingsOf(const Shot& shot) {
     settings.rouletteStart = shot.rouletteStart;
     settings.seed = shot.seed;
     settings.directLight = shot.directLight;
+    settings.lightSelection = shot.lightSelection;
     return settings;
 }
 
@@ -69,6 +70,7 @@ double relMse(const Picture& a, const Picture& b) {
             difference += std::pow(a.pixels[i].mean[c] - b.pixels[i].mean[c], 2);
             square += std::pow(b.pixels[i].mean[c], 2) + 1e-4;
         }
+    recordWorst("relmse", difference / square);
     return difference / square;
 }
 
@@ -90,6 +92,7 @@ double furthestPixel(const Picture& a, const Picture& b) {
     for (size_t i = 0; i < a.pixels.size(); ++i)
         for (size_t c = 0; c < 3; ++c)
             furthest = std::max(furthest, std::abs(a.pixels[i].mean[c] - b.pixels[i].mean[c]));
+    recordWorst("pixel", furthest);
     return furthest;
 }
 

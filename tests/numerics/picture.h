@@ -24,6 +24,7 @@ struct Shot {
     uint32_t seed = 1;
     uint64_t alsoCompiled = 0;
     DirectLight directLight = DirectLight::mis;
+    LightSelection lightSelection = LightSelection::power;
 };
 
 ImageSpec imageOf(const Shot& shot);

@@ -13,7 +13,8 @@ namespace {
 GpuScene uploaded(const gpu::Device& device, Scene scene) {
     if (scene.materials.empty()) scene.materials.emplace_back();
     PrepareTimes times;
-    return makeGpuScene(device, scene, flatten(scene), RenderSettings{}, gpu::bit(gpu::FEATURE_ENVIRONMENT), times);
+    return makeGpuScene(device, scene, flatten(scene), RenderSettings{}, gpu::bit(gpu::FEATURE_ENVIRONMENT),
+                        times);
 }
 
 gpu::ComputePipeline pipelineFor(const gpu::Device& device, const GpuScene& scene) {

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "shared/film/film.h"
@@ -30,6 +34,18 @@ inline double zLimit() {
     return high;
 }
 
+/// Keeps the largest value of a test in its XML report (--gtest_output=xml): the figures of README.md.
+inline void recordWorst(const std::string& key, double value) {
+    static std::map<std::string, double> worst;
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    if (!test || !std::isfinite(value)) return;
+    double& most = worst.try_emplace(std::string(test->name()) + key, value).first->second;
+    most = std::max(most, value);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", most);
+    testing::Test::RecordProperty(key, text);
+}
+
 struct Mean {
     double value = 0, sigma = 0;  // sigma: standard deviation of `value`
 };
@@ -38,6 +54,8 @@ struct Mean {
 inline void expectMean(const Mean& mean, double expected, double slack = 0) {
     // A mean without noise is still a float's.
     const double rounding = 1e-6 * (std::abs(expected) + 1e-30);
+    if (mean.sigma > 0) recordWorst("z", std::abs(mean.value - expected) / mean.sigma);
+    if (expected != 0) recordWorst("relative", std::abs(mean.value - expected) / std::abs(expected));
     EXPECT_NEAR(mean.value, expected, zLimit() * mean.sigma + slack + rounding) << "sigma " << mean.sigma;
 }
 
@@ -74,6 +92,7 @@ inline void expectChiSquare(const std::vector<double>& observed, const std::vect
     }
     if (pooledExpected >= 5) add(pooledObserved, pooledExpected);
     ASSERT_GT(bins, 1);
+    recordWorst("chi2_per_degree", statistic / (bins - 1));
     EXPECT_GT(chiSquareTail(statistic, bins - 1), normalTail(zLimit())) << statistic << " over " << bins;
 }
 

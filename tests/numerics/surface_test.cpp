@@ -81,7 +81,8 @@ void expectNoSelfHits(const SpawnedRays& result) {
     // By the offset alone, that is without skipping, as triangles next to this one see the ray. Coordinates
     // that differ by sixteen orders of magnitude within a triangle leave its edge functions no digits: 17 %
     // of the rays would meet it. Rays of the renderer skip it.
-    testing::Test::RecordProperty("self_hits_without_skipping", std::to_string(result.selfHits));
+    recordWorst("self_hits_without_skipping",
+                static_cast<double>(result.selfHits) / static_cast<double>(result.rays));
 }
 
 TEST_F(HardSurface, HardCase03_Reintersection) {
