@@ -17,7 +17,7 @@ readonly backports_list=/etc/apt/sources.list.d/tilefarm-backports.sources
 
 packages=(
     build-essential cmake ninja-build ccache git pkg-config ca-certificates curl
-    libvulkan-dev vulkan-validationlayers glslang-tools
+    libvulkan-dev vulkan-validationlayers glslang-tools spirv-tools
     libglm-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libembree-dev
     libcpp-httplib-dev libssl-dev nlohmann-json3-dev libopenexr-dev
     libsqlite3-dev libsqlitecpp-dev libcli11-dev libspdlog-dev prometheus-cpp-dev libstb-dev

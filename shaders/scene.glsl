@@ -14,7 +14,10 @@ const bool kBvhNonOpaque = (FEATURES >> FEATURE_CUTOUT & 1u) != 0u;
 const bool kBvhShapes = (FEATURES_HIGH >> (FEATURE_SHAPES - 32u) & 1u) != 0u;
 const bool kBvhFields = (FEATURES_HIGH >> (FEATURE_FIELDS - 32u) & 1u) != 0u;
 
-bool has(uint feature) { return ((feature < 32u ? FEATURES : FEATURES_HIGH) >> (feature & 31u) & 1u) != 0u; }
+// Macros, so that their values are specialization constants and a compiler drops what hangs on them before it looks
+// inside. (Chains of three has() with || are beyond glslang 12: it takes the outer one for a constant. Use featureBit.)
+#define featureBit(feature) (((feature) < 32u ? FEATURES : FEATURES_HIGH) >> ((feature) & 31u) & 1u)
+#define has(feature) (featureBit(feature) != 0u)
 
 layout(binding = BINDING_NODES) uniform usamplerBuffer bvhNodes;
 layout(binding = BINDING_TRIANGLES) uniform usamplerBuffer bvhTriangles;

@@ -53,11 +53,14 @@ struct BsdfSample {
     bool delta;
 };
 
-bool hasLayers() { return has(FEATURE_CLEARCOAT) || has(FEATURE_SHEEN) || has(FEATURE_DISNEY_SHEEN); }
-bool hasSheen() { return has(FEATURE_SHEEN) || has(FEATURE_DISNEY_SHEEN); }
+#define hasLayers() \
+    ((featureBit(FEATURE_CLEARCOAT) | featureBit(FEATURE_SHEEN) | featureBit(FEATURE_DISNEY_SHEEN)) != 0u)
+#define hasSheen() ((featureBit(FEATURE_SHEEN) | featureBit(FEATURE_DISNEY_SHEEN)) != 0u)
 
-bool hasMultiple() { return has(FEATURE_SPECULAR) && has(FEATURE_ENERGY_COMPENSATION); }
-bool hasBack() { return has(FEATURE_DIFFUSE_TRANSMISSION) || hasMultiple() && has(FEATURE_TRANSMISSION); }
+#define hasMultiple() ((featureBit(FEATURE_SPECULAR) & featureBit(FEATURE_ENERGY_COMPENSATION)) != 0u)
+#define hasBack()                                                                                        \
+    ((featureBit(FEATURE_DIFFUSE_TRANSMISSION) | (featureBit(FEATURE_SPECULAR) & featureBit(FEATURE_ENERGY_COMPENSATION) & \
+                                                  featureBit(FEATURE_TRANSMISSION))) != 0u)
 
 // The interface's albedos (Ed, E1) for a direction.
 vec2 albedosAt(Bsdf b, float cosTheta) {

@@ -34,11 +34,10 @@ struct Compensation {
 };
 
 // Both numbers of the pairs (Ed, E1) are asked for.
-bool needsBothAlbedos() {
-    return has(FEATURE_SPECULAR_COLOR) || has(FEATURE_IRIDESCENCE) || has(FEATURE_ENERGY_COMPENSATION);
-}
+#define needsBothAlbedos() \
+    ((featureBit(FEATURE_SPECULAR_COLOR) | featureBit(FEATURE_IRIDESCENCE) | featureBit(FEATURE_ENERGY_COMPENSATION)) != 0u)
 
-bool needsClearAlbedo() { return has(FEATURE_SPECULAR_COLOR) || has(FEATURE_IRIDESCENCE); }
+#define needsClearAlbedo() ((featureBit(FEATURE_SPECULAR_COLOR) | featureBit(FEATURE_IRIDESCENCE)) != 0u)
 
 float couplingAt(vec3 coupling, vec2 albedos) {
     if (!needsBothAlbedos()) return 1.0 - albedos.x;

@@ -21,13 +21,11 @@ struct LightSample {
 };
 
 // Surfaces that emit and are lights of their own.
-bool hasEmitters() {
-    return has(FEATURE_EMISSIVE_TRIANGLES) || has(FEATURE_QUAD_LIGHTS) || has(FEATURE_SPHERE_LIGHTS);
-}
-
-bool hasLights() {
-    return hasEmitters() || has(FEATURE_PUNCTUAL_LIGHTS) || has(FEATURE_SUN_LIGHTS) || has(FEATURE_ENVIRONMENT);
-}
+#define emitterBits() \
+    (featureBit(FEATURE_EMISSIVE_TRIANGLES) | featureBit(FEATURE_QUAD_LIGHTS) | featureBit(FEATURE_SPHERE_LIGHTS))
+#define hasEmitters() (emitterBits() != 0u)
+#define hasLights() \
+    ((emitterBits() | featureBit(FEATURE_PUNCTUAL_LIGHTS) | featureBit(FEATURE_SUN_LIGHTS) | featureBit(FEATURE_ENVIRONMENT)) != 0u)
 
 vec4 lightTexel(uint light, uint texel) { return uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS + texel)); }
 

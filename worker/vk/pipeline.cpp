@@ -6,6 +6,7 @@
 
 #include "worker/vk/context.h"
 #include "worker/vk/pipeline_parts.h"
+#include "worker/vk/specialise.h"
 
 namespace tilefarm::gpu {
 namespace {
@@ -59,7 +60,10 @@ StageConstants::StageConstants(const std::vector<uint32_t>& values) {
                                    values.data());
 }
 
-vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv) {
+vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv,
+                                    const std::vector<uint32_t>& constants) {
+    const std::vector<uint32_t> smaller = specialised(spirv, constants);
+    if (!smaller.empty()) spirv = smaller;
     return {context.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data())};
 }
 
@@ -80,7 +84,7 @@ ComputePipeline::ComputePipeline(const Device& device, const PipelineSpec& spec)
     state_ = guarded(context, fmt::format("compiling kernel '{}'", spec.name), [&] {
         auto state = startPipeline(device, spec, vk::ShaderStageFlagBits::eCompute);
         const StageConstants constants(spec.constants);
-        const auto module = shaderModule(context, spec.spirv);
+        const auto module = shaderModule(context, spec.spirv, spec.constants);
         const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                       &constants.info());
         state->pipeline = vk::raii::Pipeline(context.device, context.pipelineCache,

@@ -22,7 +22,9 @@ private:
     vk::SpecializationInfo info_;
 };
 
-vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv);
+/// `constants`: values of the specialization constants, to leave out what they switch off.
+vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv,
+                                    const std::vector<uint32_t>& constants);
 
 /// A pipeline that lacks nothing but its VkPipeline. Throws as ComputePipeline does.
 std::shared_ptr<PipelineState> startPipeline(const Device& device, const PipelineSpec& spec,

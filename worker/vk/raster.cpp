@@ -58,8 +58,8 @@ void compile(const Device::Context& context, const PipelineSpec& spec, std::span
              PipelineState& state) {
     using Stage = vk::ShaderStageFlagBits;
     const StageConstants constants(spec.constants);
-    const auto vertexModule = shaderModule(context, spec.spirv),
-               fragmentModule = shaderModule(context, fragment);
+    const auto vertexModule = shaderModule(context, spec.spirv, spec.constants),
+               fragmentModule = shaderModule(context, fragment, spec.constants);
     const std::array stages{
         vk::PipelineShaderStageCreateInfo({}, Stage::eVertex, *vertexModule, "main", &constants.info()),
         vk::PipelineShaderStageCreateInfo({}, Stage::eFragment, *fragmentModule, "main", &constants.info())};
