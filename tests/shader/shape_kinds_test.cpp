@@ -157,7 +157,7 @@ TEST_P(ShapeKinds, EqualDoublePrecision) {
         Shape shape = GetParam().shape;
         shape.toWorld = toWorld;
         ShapeProbe probe(device, {shape});
-        const auto rays = raysAround(shape, probe.centre(), 10'000, 7);
+        const auto rays = raysAround(shape, probe.centre(), 3'000, 7);
         const Tally tally = compare(shape, probe.centre(), rays, probe.trace(rays));
         EXPECT_EQ(tally.wrong, 0u);
         EXPECT_LE(tally.disputed, rays.size() / 1000);
@@ -166,7 +166,7 @@ TEST_P(ShapeKinds, EqualDoublePrecision) {
         // An edge, rounded by 1e-5 of the size, belongs to either side.
         EXPECT_LE(tally.offNormal, 3u);
         EXPECT_EQ(tally.notFinite, 0u);
-        EXPECT_GT(tally.hits, 1'500u);
+        EXPECT_GT(tally.hits, 450u);
     }
 }
 
@@ -176,7 +176,7 @@ TEST_P(ShapeKinds, RaysThatStartOnThemGoWhereTheyShould) {
     Shape shape = GetParam().shape;
     shape.toWorld = placed();
     ShapeProbe probe(device, {shape});
-    const auto rays = raysAround(shape, probe.centre(), 4'000, 8);
+    const auto rays = raysAround(shape, probe.centre(), 1'500, 8);
     const auto hits = probe.trace(rays);
     const bool flat = shape.kind == ShapeKind::rectangle || shape.kind == ShapeKind::disk;
     const ShapeBounds bounds = boundsOf(shape);
@@ -198,7 +198,7 @@ TEST_P(ShapeKinds, RaysThatStartOnThemGoWhereTheyShould) {
         wrong += !same && next.nearest > 1e-4 * size && cosine > 0.05;
         stuck += hits[i].nextBack >= 0 && hits[i].nextBack < 1e-4 * hits[i].t;
     }
-    EXPECT_GT(tested, 500u);
+    EXPECT_GT(tested, 180u);
     EXPECT_LE(wrong, tested / 500);  // within 1e-4 of an edge
     EXPECT_EQ(stuck, 0u);
 }

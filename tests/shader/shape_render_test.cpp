@@ -74,7 +74,7 @@ glm::dmat4 tilted() {
 
 Picture pictureOf(const gpu::Device& device, const Scene& scene, uint32_t seed) {
     return render(device, scene, cameraAt({0.4, 1.2, 4.2}, {0, -0.1, 0}, 0.75),
-                  {.size = 40, .samples = 64, .seed = seed});
+                  {.size = 30, .samples = 32, .seed = seed});
 }
 
 // Blocks of pixels compared by z-test: a wrong place, normal or texture shows in a block, noise does not.
@@ -123,7 +123,7 @@ TEST_F(ShapePictures, SphereLooksLikeItsMesh) {
                     }));
 }
 
-TEST_F(ShapePictures, EllipsoidLooksLikeItsMesh) {
+TEST_F(ShapePictures, FullEllipsoidLooksLikeItsMesh) {
     Shape shape = shapeOf(ShapeKind::sphere, glm::dvec3(1));
     shape.toWorld = glm::scale(glm::dmat4(1), glm::dvec3(1.1, 0.5, 0.8));
     compareWithMesh(device, shape, turnedMesh(256, 128, [](double v) {
@@ -131,7 +131,7 @@ TEST_F(ShapePictures, EllipsoidLooksLikeItsMesh) {
                     }));
 }
 
-TEST_F(ShapePictures, BoxLooksLikeItsMesh) {
+TEST_F(ShapePictures, FullBoxLooksLikeItsMesh) {
     Mesh mesh;
     // Faces as seen from outside, v down: normal, right, up.
     const std::pair<glm::vec3, glm::vec3> faces[] = {{{1, 0, 0}, {0, 0, -1}}, {{-1, 0, 0}, {0, 0, 1}},
@@ -151,7 +151,7 @@ TEST_F(ShapePictures, BoxLooksLikeItsMesh) {
     compareWithMesh(device, shapeOf(ShapeKind::box, size), mesh);
 }
 
-TEST_F(ShapePictures, CylinderLooksLikeItsMesh) {
+TEST_F(ShapePictures, FullCylinderLooksLikeItsMesh) {
     // The side alone has the mesh's texture coordinates; the caps are looked at by their light.
     const glm::dvec3 size(0.8, 0.6, 0.4);
     Scene analytic = studio(), meshed = studio();
@@ -190,7 +190,7 @@ TEST_F(ShapePictures, CapsuleLooksLikeItsMesh) {
     compareWithMesh(device, shapeOf(ShapeKind::capsule, size), mesh);
 }
 
-TEST_F(ShapePictures, TorusLooksLikeItsMesh) {
+TEST_F(ShapePictures, FullTorusLooksLikeItsMesh) {
     Shape shape = shapeOf(ShapeKind::field, glm::dvec3(1));
     shape.field = {{FieldOperation::torus, {0.8, 0.3, 0, 0}, glm::dvec3(0), {0, 0, 0, 1}}};
     Scene analytic = studio(), meshed = studio();
@@ -228,7 +228,7 @@ TEST_F(ShapePictures, GlassOfEveryKindIsInvisibleUnderUniformSky) {
         shape.toWorld = tilted();
         scene.shapes.push_back(shape);
         const Picture picture = render(device, scene, cameraAt({0, 0, 4}, {0, 0, 0}, 0.4),
-                                       {.size = 24, .samples = 16, .maxBounces = 100});
+                                       {.size = 16, .samples = 16, .maxBounces = 100});
         EXPECT_TRUE(allFinite(picture));
         expectMean(meanOf(picture), 1, 2e-3);
     }
@@ -257,6 +257,33 @@ TEST_F(ShapePictures, CutOutShapesLetLightThroughToTheirOtherSideAndOn) {
     lit.lights = {sun};
     const Camera below = cameraAt({0, -11, 14}, {0, -12, 0}, 0.02);
     expectMean(meanOf(render(device, lit, below, {.samples = 256, .maxBounces = 1})), 0.25, 1e-3);
+}
+
+// The same picture by sampling the rectangle's solid angle, by finding it, and from two emissive triangles;
+// also mirrored, where its front stays its front.
+TEST_F(ShapePictures, EmissiveRectanglesAreSampledByTheirSolidAngle) {
+    for (const double side : {1.0, -1.0}) {
+        Shape lamp = shapeOf(ShapeKind::rectangle, {1, 0.5, 0});
+        lamp.toWorld = glm::translate(glm::dmat4(1), glm::dvec3(0.4, 1, 0)) *
+                       glm::rotate(glm::dmat4(1), std::numbers::pi / 2, glm::dvec3(1, 0, 0)) *
+                       glm::scale(glm::dmat4(1), glm::dvec3(side, 1, 1));
+        Scene scene;
+        addMesh(scene, quadMesh({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), matte(glm::vec3(0.5f)));
+        lamp.material = 1;
+        scene.materials.push_back(matte(glm::vec3(0), glm::vec3(4)));
+        scene.shapes.push_back(lamp);
+        const Camera camera = cameraAt({0.7, 0.6, 0.2}, {0.7, 0, 0.2}, 1e-3);
+        const double irradiance =
+            4 * polygonIrradiance({{-0.6, 1, -0.5}, {1.4, 1, -0.5}, {1.4, 1, 0.5}, {-0.6, 1, 0.5}},
+                                  {0.7, 0, 0.2}, {0, 1, 0});
+        for (const DirectLight direct : {DirectLight::mis, DirectLight::lights, DirectLight::bsdf}) {
+            if (side < 0 && direct != DirectLight::mis) continue;
+            SCOPED_TRACE(static_cast<int>(direct));
+            const Picture picture =
+                render(device, scene, camera, {.samples = 64, .maxBounces = 1, .directLight = direct});
+            expectMean(meanOf(picture), 0.5 / pi * irradiance, 1e-4);
+        }
+    }
 }
 
 }  // namespace

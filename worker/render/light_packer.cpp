@@ -37,8 +37,8 @@ struct Lights {
 };
 
 // Bounds of a flat emitter: Lambert, so the intensity is greatest along the normal.
-LightBounds flatBounds(const std::initializer_list<glm::vec3>& corners, const glm::dvec3& normal, double intensity,
-                       bool twoSided) {
+LightBounds flatBounds(const std::initializer_list<glm::vec3>& corners, const glm::dvec3& normal,
+                       double intensity, bool twoSided) {
     LightBounds b;
     b.lower = b.upper = *corners.begin();
     for (const glm::vec3& corner : corners) {
@@ -52,8 +52,8 @@ LightBounds flatBounds(const std::initializer_list<glm::vec3>& corners, const gl
     return b;
 }
 
-void addTriangle(const Scene& scene, const WorldGeometry& world, const EmissiveTriangle& triangle, Lights& lights,
-                 PackedLights& packed) {
+void addTriangle(const Scene& scene, const WorldGeometry& world, const EmissiveTriangle& triangle,
+                 Lights& lights, PackedLights& packed) {
     const Material& material = world.materialOf(scene, world.instanceOf(triangle.triangle).material);
     if (material.unlit) return;
     const glm::uvec3 corners = world.triangles[triangle.triangle];
@@ -71,14 +71,15 @@ void addTriangle(const Scene& scene, const WorldGeometry& world, const EmissiveT
     const glm::dvec3 normal = glm::cross(glm::dvec3(record.a), glm::dvec3(record.b));
     const uint32_t index = lights.next();
     if (lights.add(record, material.emission, pi * intensity * (material.doubleSided ? 2 : 1),
-                   flatBounds({record.p, world.positions[corners.y], world.positions[corners.z]}, normal, intensity,
-                              material.doubleSided)))
+                   flatBounds({record.p, world.positions[corners.y], world.positions[corners.z]}, normal,
+                              intensity, material.doubleSided)))
         packed.primitiveLights[triangle.triangle] = index;
     else
         ++packed.darkTriangles;
 }
 
-void addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
+/// Whether it is a light: it sends out something.
+bool addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
     gpu::LightRecord record{};
     record.type = gpu::LIGHT_QUAD;
     record.primitive = quad.twoSided ? 1 : 0;
@@ -88,21 +89,46 @@ void addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
     const glm::dvec3 normal = glm::cross(glm::dvec3(quad.a), glm::dvec3(quad.b));
     record.area = static_cast<float>(glm::length(normal));
     const double intensity = luminance(quad.radiance) * glm::length(normal);
-    const uint32_t index = lights.next();
     if (!lights.add(record, quad.radiance, pi * intensity * (quad.twoSided ? 2 : 1),
                     flatBounds({quad.corner, quad.corner + quad.a, quad.corner + quad.b,
                                 quad.corner + quad.a + quad.b},
                                normal, intensity, quad.twoSided)))
-        return;
-    packed.primitiveLights[quad.firstTriangle] = packed.primitiveLights[quad.firstTriangle + 1] = index;
+        return false;
     packed.features |= gpu::bit(gpu::FEATURE_QUAD_LIGHTS);
+    return true;
+}
+
+// Even over the whole surface, whatever way light leaves it.
+bool emitsEvenly(const Material& material) {
+    return !material.unlit && material.emission != glm::vec3(0) && !material.emissionTexture &&
+           material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;
+}
+
+// Sides at right angles, as the sampling of its solid angle needs them.
+bool isQuadLight(const Shape& shape, const Material& material) {
+    const glm::dvec3 u(shape.toWorld[0]), v(shape.toWorld[1]);
+    return shape.kind == ShapeKind::rectangle && emitsEvenly(material) &&
+           std::abs(glm::dot(u, v)) <= 1e-6 * glm::length(u) * glm::length(v);
+}
+
+QuadLight quadOf(const Shape& shape, const Material& material) {
+    glm::dvec3 u = shape.size.x * glm::dvec3(shape.toWorld[0]),
+               v = shape.size.y * glm::dvec3(shape.toWorld[1]);
+    // A mirror image keeps its front.
+    if (glm::determinant(glm::dmat3(shape.toWorld)) < 0) std::swap(u, v);
+    QuadLight quad;
+    quad.corner = glm::dvec3(shape.toWorld[3]) - u - v;
+    quad.a = 2.0 * u;
+    quad.b = 2.0 * v;
+    quad.radiance = material.emission;
+    quad.twoSided = material.doubleSided;
+    return quad;
 }
 
 // Spheres that are round in the world and emit evenly. Of other shapes that emit, the BSDF finds the light.
 bool isSphereLight(const Shape& shape, const Material& material) {
-    return shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld) && !material.unlit &&
-           material.doubleSided && material.emission != glm::vec3(0) && !material.emissionTexture &&
-           material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;
+    return shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld) && emitsEvenly(material) &&
+           material.doubleSided;
 }
 
 void addSphere(const Shape& shape, const Material& material, uint32_t primitive, Lights& lights,
@@ -131,18 +157,28 @@ void addShapes(const Scene& scene, const WorldGeometry& world, Lights& lights, P
     for (uint32_t i = 0; i < world.shapes.size(); ++i) {
         const Shape& shape = world.shapes[i].shape;
         const Material& material = world.materialOf(scene, shape.material);
-        if (isSphereLight(shape, material))
-            addSphere(shape, material, world.triangleCount() + i, lights, packed);
-        else if (material.emission != glm::vec3(0) && !material.unlit)
+        const uint32_t index = lights.next(), primitive = world.triangleCount() + i;
+        if (isQuadLight(shape, material)) {
+            if (addQuad(quadOf(shape, material), lights, packed)) packed.primitiveLights[primitive] = index;
+        } else if (isSphereLight(shape, material)) {
+            addSphere(shape, material, primitive, lights, packed);
+        } else if (material.emission != glm::vec3(0) && !material.unlit) {
             packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
+        }
     }
 }
 
 void addSurfaces(const Scene& scene, const WorldGeometry& world, Lights& lights, PackedLights& packed) {
     if (world.emissive.empty() && world.quads.empty() && world.shapes.empty()) return;
     packed.primitiveLights.assign(world.primitiveCount(), gpu::NO_INDEX);
-    for (const EmissiveTriangle& triangle : world.emissive) addTriangle(scene, world, triangle, lights, packed);
-    for (const QuadLight& quad : world.quads) addQuad(quad, lights, packed);
+    for (const EmissiveTriangle& triangle : world.emissive)
+        addTriangle(scene, world, triangle, lights, packed);
+    for (const QuadLight& quad : world.quads) {
+        const uint32_t index = lights.next();
+        if (addQuad(quad, lights, packed))
+            packed.primitiveLights[quad.firstTriangle] = packed.primitiveLights[quad.firstTriangle + 1] =
+                index;
+    }
     if (!world.emissive.empty()) packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
     addShapes(scene, world, lights, packed);
 }
