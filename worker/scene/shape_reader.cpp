@@ -112,8 +112,11 @@ void ShapeReader::warnOf(const Shape& shape, bool endless, const JsonNode& node)
     if (endless) load_.warn(kImplicit, node, fmt::format("endless plane: a square of {} m", 2 * kEndless));
     if (!isProper(shape)) load_.warn(kVendor, node, "left out: its transform collapses it");
     const Material& material = load_.scene.materials[shape.material];
-    const bool sampled = shape.kind == ShapeKind::rectangle ||
-                         (shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld));
+    // What light_packer.cpp makes a light of.
+    const bool even =
+        !material.emissionTexture && material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;
+    const bool round = shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld) && material.doubleSided;
+    const bool sampled = even && (shape.kind == ShapeKind::rectangle || round);
     if (material.emission != glm::vec3(0) && !sampled)
         load_.warn(kVendor, node,
                    fmt::format("emissive {}: its light is found by chance only", nameOf(shape.kind)));
