@@ -113,7 +113,7 @@ def compare(ours, theirs):
     for channel in "RGB":
         (a, ea), (b, eb) = of_tilefarm(ours, channel, whole), of_cycles(theirs, channel, whole)
         if min(a, b) <= 0:
-            sys.exit(f"channel {channel} is black: {a} and {b}")
+            sys.exit(f"{theirs[0].path}: channel {channel} is black: {a} and {b}")
         ratio = a / b
         error = ratio * math.hypot(ea / a, eb / b)
         worst, worst_z = 0.0, 0.0
@@ -190,11 +190,12 @@ def main():
             results.append({"scene": comparison.name, "models": comparison.what, "why": comparison.why, "samples": samples,
                             "bounces": comparison.bounces, "verdict": decided, "channels": channels})
             print(row(results[-1]), flush=True)
+            if options.json:  # as far as it has come
+                options.json.write_text(json.dumps({"size": options.size, "tolerance": TOLERANCE, "results": results},
+                                                   indent=2))
             if options.pictures:
                 options.pictures.mkdir(parents=True, exist_ok=True)
                 side_by_side(options.pictures / f"{comparison.name}.png", ours, theirs)
-    if options.json:
-        options.json.write_text(json.dumps({"size": options.size, "tolerance": TOLERANCE, "results": results}, indent=2))
     sys.exit(any(r["verdict"] not in ("agrees", "other model") for r in results))
 
 

@@ -195,6 +195,21 @@ def add_sphere(light):
     bpy.context.object.data.materials.append(material)
 
 
+def undo_spot_cosine(data):
+    """Cycles multiplies the radiance of a spot by the cosine of the angle to its axis (spot_light_attenuation): glTF's
+    is constant within the inner cone."""
+    data.use_nodes = True
+    tree = data.node_tree
+    axis = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Normal"], axis.inputs[0])
+    cosine, inverse = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeMath")
+    cosine.operation, inverse.operation = "ABSOLUTE", "DIVIDE"
+    tree.links.new(axis.outputs["Z"], cosine.inputs[0])
+    inverse.inputs[0].default_value = 1.0
+    tree.links.new(cosine.outputs[0], inverse.inputs[1])
+    tree.links.new(inverse.outputs[0], tree.nodes["Emission"].inputs["Strength"])
+
+
 def add_light(light):
     if light["kind"] == "sphere":
         return add_sphere(light)
@@ -205,6 +220,7 @@ def add_light(light):
         data.shadow_soft_size = 0
     if light["kind"] == "spot":  # a sharp edge: the two programs' soft ones have other curves
         data.spot_size, data.spot_blend = 2 * math.radians(light["outerCone"]), 0
+        undo_spot_cosine(data)
     if light["kind"] == "directional":
         data.angle = math.radians(light.get("angularDiameter", 0))
     if light["kind"] == "quad":
@@ -215,7 +231,7 @@ def add_light(light):
     bpy.context.scene.collection.objects.link(made)
 
 
-def set_world(environment):
+def set_world(environment, sampled):
     world = bpy.data.worlds.new("world")
     bpy.context.scene.world = world
     world.use_nodes = True
@@ -236,7 +252,7 @@ def set_world(environment):
     mapping.inputs["Rotation"].default_value[2] = -math.radians(environment.get("rotation", 0.0))
     tree.links.new(place.outputs["Generated"], mapping.inputs["Vector"])
     tree.links.new(mapping.outputs[0], image.inputs["Vector"])
-    world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL", 1024
+    world.cycles.sampling_method, world.cycles.sample_map_resolution = "MANUAL" if sampled else "NONE", 1024
 
 
 # ---- Settings
@@ -284,7 +300,7 @@ def main():
     set_materials(comparison["materials"])
     for light in comparison["lights"]:
         add_light(light)
-    set_world(comparison["environment"])
+    set_world(comparison["environment"], comparison["sample_environment"])
     set_render(scene, comparison)
     scene.cycles.samples = comparison["samples"]
     for seed, path in enumerate(comparison["outputs"]):
