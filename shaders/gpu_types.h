@@ -85,7 +85,13 @@ GPU_CONSTANT FEATURE_ENVIRONMENT_ROTATION = 40;
 GPU_CONSTANT FEATURE_HIDDEN_ENVIRONMENT = 41;   // camera rays do not see it
 GPU_CONSTANT FEATURE_SHAPES = 42;               // surfaces other than triangles
 GPU_CONSTANT FEATURE_FIELDS = 43;               // shapes by signed distance
-GPU_CONSTANT FEATURE_COUNT = 44;
+GPU_CONSTANT FEATURE_THIN_LENS = 44;            // depth of field
+GPU_CONSTANT FEATURE_PANORAMA = 45;
+GPU_CONSTANT FEATURE_CAMERA_MOTION = 46;        // the camera moves while the shutter is open
+GPU_CONSTANT FEATURE_PIXEL_FILTER = 47;         // any but the box of one pixel
+GPU_CONSTANT FEATURE_SOBOL_SAMPLER = 48;        // Owen-scrambled Sobol points
+GPU_CONSTANT FEATURE_STRATIFIED_SAMPLER = 49;   // jittered grids
+GPU_CONSTANT FEATURE_COUNT = 50;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -170,6 +176,27 @@ GPU_CONSTANT LIGHT_TREE_INFINITE = 1u << 1;    // lights of no place: environmen
 GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets less than LIGHT_TREE_LEAST
 #define LIGHT_TREE_LEAST 0.2
 
+// FrameParameters::filtering.x
+GPU_CONSTANT FILTER_PIXEL = 0;  // the box of one pixel
+GPU_CONSTANT FILTER_BOX = 1;
+GPU_CONSTANT FILTER_POINT = 2;  // the pixel's centre
+GPU_CONSTANT FILTER_TENT = 3;
+GPU_CONSTANT FILTER_GAUSSIAN = 4;
+GPU_CONSTANT FILTER_BLACKMAN_HARRIS = 5;
+
+// FrameParameters::sampling.x
+GPU_CONSTANT SAMPLER_RANDOM = 0;
+GPU_CONSTANT SAMPLER_STRATIFIED = 1;
+GPU_CONSTANT SAMPLER_SOBOL = 2;
+
+GPU_CONSTANT CAMERA_KEYS = 33;       // at most
+GPU_CONSTANT CAMERA_KEY_VECTORS = 3;
+
+// FrameParameters::cameraForward.w
+#define CAMERA_PERSPECTIVE 0.0
+#define CAMERA_ORTHOGRAPHIC 1.0
+#define CAMERA_PANORAMA 2.0
+
 // Words of the counter buffer, zeroed before every dispatch.
 GPU_CONSTANT COUNTER_RAYS = 0;
 GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 1;
@@ -198,19 +225,25 @@ struct FrameParameters {
     uvec4 path;           // max bounces, roulette start, light count, environment light or NO_INDEX
     uvec4 environment;    // width, height, first LIGHT_SUN, number of LIGHT_SUN
     vec4 environmentPdf;  // x: 1 / sum of texel weights, y: w·h / (2π²), z: rotation in turns, w: 1 if hidden
+    vec4 lens;            // x: radius m, 0 for a pinhole; y: 1 / focus distance; z: blades; w: their rotation, rad
+    vec4 filtering;       // x: FILTER_*, y: radius in pixels
+    uvec4 sampling;       // x: SAMPLER_*, y: strata per side, z: camera keys, 0 for a still one
+    vec4 shutter;         // part of the shutter's time that this scene stands for: x: begin, y: length, of 1
+    vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
 };
 
-// A dispatch renders `sampleCount` samples of every pixel of its tiles.
+// A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
 struct PassConstants {
     uint firstSample;
     uint sampleCount;
-    uint passFirstSample;  // where the pass began; the film is cleared there and continued after it
-    uint tileSize;         // film pixels are tile after tile, tileSize² each
+    uint sampleStride;
+    uint continued;  // 0: the film is cleared first
+    uint tileSize;   // film pixels are tile after tile, tileSize² each
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 128);
-static_assert(sizeof(PassConstants) == 16);
+static_assert(sizeof(FrameParameters) == 192 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(PassConstants) == 20);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
 // (worker/scene/scene.h); texels from 7 on are read only where a feature asks for them.

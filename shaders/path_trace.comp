@@ -26,6 +26,7 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "bsdf/bsdf.glsl"
 #include "lights/light.glsl"
 #include "camera.glsl"
+#include "pixel_filter.glsl"
 #include "film.glsl"
 
 // What decides at cut-out surfaces along the rays of a bounce.
@@ -260,9 +261,9 @@ PathSample tracePath(SampleKey key, vec3 origin, vec3 direction) {
 }
 
 PathSample renderSample(uvec2 pixel, SampleKey key) {
-    vec2 jitter = unitFloat(randomBits(key, DIMENSION_PIXEL).xy);
+    vec2 u = unitFloat(randomBits(key, DIMENSION_PIXEL).xy);
     vec3 origin, direction;
-    cameraRay(vec2(pixel) + jitter, origin, direction);
+    cameraRay(key, vec2(pixel) + filterSample(u), origin, direction);
     return tracePath(key, origin, direction);
 }
 
@@ -274,13 +275,13 @@ void main() {
     uint at = gl_WorkGroupID.z * pass.tileSize * pass.tileSize + inTile.y * pass.tileSize + inTile.x;
 
     FilmPixel result = emptyPixel();
-    if (pass.firstSample != pass.passFirstSample) result = loadPixel(at);
+    if (pass.continued != 0u) result = loadPixel(at);
     SampleKey key;
     key.pixel = pixel.x | pixel.y << 16u;
     key.stream = streamKey(parameters.image.z, parameters.image.w);
     uint dropped = 0u;
     for (uint i = 0u; i < pass.sampleCount; i++) {
-        key.index = pass.firstSample + i;
+        key.index = pass.firstSample + i * pass.sampleStride;
         PathSample s = renderSample(pixel, key);
         // A sample that is not finite leaves with its weight and is counted, never hidden.
         if (isFinite(s.radiance)) {

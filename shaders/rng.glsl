@@ -8,6 +8,7 @@
 const uint DIMENSION_PIXEL = 0u;
 const uint DIMENSION_LENS = 1u;
 const uint DIMENSION_CHANNEL = 2u;  // the colour channel that a dispersed path follows
+const uint DIMENSION_TIME = 3u;
 const uint DIMENSION_INJECTION = 7u;  // which samples FEATURE_FAULT_INJECTION makes NaN
 const uint DIMENSION_BOUNCE = 8u;
 // Blocks of one bounce, counted from DIMENSION_BOUNCE + bounce * DIMENSIONS_PER_BOUNCE.
@@ -44,8 +45,19 @@ vec2 unitFloat(uvec2 bits) { return vec2(bits >> 8u) * (1.0 / 16777216.0); }
 
 uint streamKey(uint seed, uint frame) { return pcg4d(uvec4(seed, frame, 0x7469u, 0x6c65u)).x; }
 
-uvec4 randomBits(SampleKey key, uint dimension) {
+// Bits that have nothing to do with those of any other key.
+uvec4 independentBits(SampleKey key, uint dimension) {
     return pcg4d(uvec4(key.pixel, key.index, dimension, key.stream));
+}
+
+#include "sampler.glsl"
+
+// The four numbers of a block, from the sampler that the job chose; each is uniform by itself.
+uvec4 randomBits(SampleKey key, uint dimension) {
+    if (has(FEATURE_SOBOL_SAMPLER) && parameters.sampling.x == SAMPLER_SOBOL) return sobolBits(key, dimension);
+    if (has(FEATURE_STRATIFIED_SAMPLER) && parameters.sampling.x == SAMPLER_STRATIFIED)
+        return stratifiedBits(key, dimension);
+    return independentBits(key, dimension);
 }
 
 uint bounceDimension(uint bounce, uint use) {

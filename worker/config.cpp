@@ -35,7 +35,7 @@ std::string firstLineOf(const fs::path& file) {
 struct Words {
     std::string device, tokenFile, tone = "pbrNeutral";
     double cacheGb = 20;
-    int32_t frame = 0;
+    std::string frames = "0";
     std::vector<uint32_t> pixel;
     uint32_t sample = 0;
 };
@@ -80,7 +80,9 @@ void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
     app.add_option("--report", config.render.report, "JSON file for what was measured");
     app.add_option("--environment", config.render.files.environment, "equirectangular .hdr or .exr");
     addPictureOptions(app, config.render.spec);
-    app.add_option("--frame", words.frame, "number of the frame")->capture_default_str();
+    app.add_option("--frame,--frames", words.frames,
+                   "a frame, or a range like 1-48; then ### in a file's name is the frame's number")
+        ->capture_default_str();
     app.add_option("--exposure", config.render.tone.exposure, "stops, for the PNG")->capture_default_str();
     app.add_option("--tone", words.tone, "linear, aces or pbrNeutral, for the PNG")->capture_default_str();
     addDevice(app, words, "number of a device as 'tilefarm-worker devices' lists it");
@@ -98,7 +100,11 @@ AgentConfig finished(AgentConfig agent, const Words& words) {
 RenderConfig finished(RenderConfig config, const Words& words) {
     config.device = deviceFrom(words.device);
     if (config.device.all) throw CLI::ValidationError("--device", "a local render uses one device");
-    config.render.spec.frames = {words.frame, 1};
+    try {
+        config.render.spec.frames = framesFrom(words.frames);
+    } catch (const Error& error) {
+        throw CLI::ValidationError("--frame", error.what());
+    }
     if (!words.pixel.empty()) config.render.pixel = {words.pixel[0], words.pixel[1], words.sample};
     if (!config.render.pixel && config.render.exr.empty()) throw CLI::RequiredError("--output");
     try {

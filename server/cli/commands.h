@@ -9,6 +9,7 @@
 #include "shared/farm_client/farm_client.h"
 #include "shared/image/tone.h"
 #include "shared/job/job.h"
+#include "shared/job/numbered.h"
 
 namespace tilefarm {
 
@@ -42,8 +43,6 @@ void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const
 /// By default the job's first frame.
 int download(FarmClient& farm, const std::string& id, std::optional<int32_t> frame,
              const PictureOptions& pictures, const Console& console);
-/// The file for one frame of several: a run of '#' is its number, else the number stands before the suffix.
-std::filesystem::path numbered(const std::filesystem::path& path, int32_t frame);
 
 // ---- show.cpp
 

@@ -18,17 +18,6 @@ void fetch(FarmClient& farm, const std::string& path, const std::filesystem::pat
 
 }  // namespace
 
-std::filesystem::path numbered(const std::filesystem::path& path, int32_t frame) {
-    const std::string name = path.filename().string();
-    if (const size_t first = name.find('#'); first != std::string::npos) {
-        const size_t end = std::min(name.find_first_not_of('#', first), name.size());
-        return path.parent_path() /
-               (name.substr(0, first) + fmt::format("{:0{}}", frame, end - first) + name.substr(end));
-    }
-    return path.parent_path() /
-           fmt::format("{}.{:04}{}", path.stem().string(), frame, path.extension().string());
-}
-
 void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const PictureOptions& pictures,
                    const Console& console) {
     const std::string image = fmt::format("/v1/jobs/{}/frames/{}/image", percentEncoded(id), frame);

@@ -8,6 +8,7 @@
 #include "shared/job/json_reader.h"
 #include "shared/job/lease.h"
 #include "shared/job/lighting_fields.h"
+#include "shared/job/viewing_fields.h"
 
 namespace tilefarm {
 
@@ -68,6 +69,18 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
              settings.fresnel, kFresnelChoices);
     v.flag({"energyCompensation", "light that scatters more than once between microfacets"},
            settings.energyCompensation);
+    v.choice({"filter", "how samples are spread over a pixel: box, tent, gaussian or blackmanHarris"},
+             settings.filter, kPixelFilterChoices);
+    v.number({"filterRadius", "pixels; 0: the usual one (0.5 box, 1 tent, 1.5 gaussian and blackmanHarris)"},
+             settings.filterRadius, {0, 16});
+    v.flag({"jitter", "samples are spread over the pixel; else all go through its centre, which aliases"},
+           settings.jitter);
+    v.choice({"sampler",
+              "where the random numbers come from: independent (random), jittered grids (stratified) or "
+              "Owen-scrambled Sobol points (sobol); none is biased"},
+             settings.sampler, kSamplerChoices);
+    v.integer({"strata", "per side of the stratified sampler's grids; best with strata² samples"},
+              settings.strata, {1, 4096});
 }
 
 template <typename Visitor>
@@ -90,6 +103,8 @@ void describe(Visitor& v, Is<JobSpec> auto& job) {
     v.list({"materials", "what to change of materials; later ones win"}, job.materials, {0, 10000});
     v.text({"variant", "of KHR_materials_variants by name; empty for the file's default materials"},
            job.variant, {0, 1024});
+    v.object({"view", "a camera that the job places, and the lens of any"}, job.view);
+    v.object({"motion", "time, animation, turntable and motion blur"}, job.motion);
     v.object({"stop", "when the picture is done"}, job.stop);
     v.integer({"priority", "higher goes first"}, job.priority, {0, 100});
 }

@@ -7,6 +7,7 @@
 
 #include "shared/job/appearance.h"
 #include "shared/job/lighting.h"
+#include "shared/job/viewing.h"
 
 namespace tilefarm {
 
@@ -56,6 +57,11 @@ struct RenderSettings {
     Microfacets microfacets = Microfacets::ggx;  // of materials that do not say theirs
     Fresnel fresnel = Fresnel::exact;            // likewise
     bool energyCompensation = true;              // light that scatters more than once between microfacets
+    PixelFilter filter = PixelFilter::box;
+    double filterRadius = 0;  // pixels; 0: the filter's usual one
+    bool jitter = true;       // else every sample goes through its pixel's centre
+    Sampler sampler = Sampler::random;
+    uint32_t strata = 8;  // per side of the stratified sampler's grids
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 
@@ -76,6 +82,8 @@ struct JobSpec {
     std::vector<LightSettings> lights;        // added to the scene's
     std::vector<MaterialOverride> materials;  // later ones win
     std::string variant;  // of KHR_materials_variants; empty: the file's default materials
+    ViewSettings view;
+    MotionSettings motion;
     StopCondition stop;
     int32_t priority = 50;  // 0 … 100, higher first
     friend bool operator==(const JobSpec&, const JobSpec&) = default;

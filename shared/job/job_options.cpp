@@ -122,6 +122,7 @@ public:
     // Their members have names that would say too little by themselves.
     void object(Member, EnvironmentSettings& value) { within("environment-", value); }
     void object(Member, SkySettings& value) { within("sky-", value); }
+    void object(Member, ViewSettings& value) { within("view-", value); }
     // The command line says these its own way.
     void object(Member, SceneBundle&) {}
     void object(Member, FrameRange&) {}

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <limits>
 
 #include "shared/job/fields.h"
@@ -76,6 +77,32 @@ void checkLight(const LightSettings& light, const std::string& pointer, Faults& 
                    fmt::format("is {}, wider than the outer cone of {}", light.innerCone, light.outerCone));
 }
 
+bool isZero(const std::array<double, 3>& v) {
+    return v == std::array<double, 3>{0, 0, 0};
+}
+
+void checkView(const ViewSettings& view, Faults& faults) {
+    if (faults.at("/view")) return;
+    if (view.kind == ViewKind::scene &&
+        (view.eye != ViewSettings{}.eye || view.target != ViewSettings{}.target))
+        faults.add("/view/kind",
+                   "must say which camera is at this eye: perspective, orthographic or panorama");
+    if (view.eye == view.target) faults.add("/view/target", "is where the eye is");
+    if (isZero(view.up)) faults.add("/view/up", "must not be zero");
+    if (view.apertureRadius > 0 && view.fNumber > 0)
+        faults.add("/view/fNumber", "cannot go with apertureRadius: a lens has one of them");
+    const bool flat = view.kind == ViewKind::orthographic || view.kind == ViewKind::panorama;
+    if (flat && (view.apertureRadius > 0 || view.fNumber > 0))
+        faults.add(view.fNumber > 0 ? "/view/fNumber" : "/view/apertureRadius",
+                   "is for a perspective camera");
+    if (view.blades == 1 || view.blades == 2) faults.add("/view/blades", "must be 0 or at least 3");
+}
+
+void checkMotion(const MotionSettings& motion, Faults& faults) {
+    if (!faults.at("/motion") && !std::has_single_bit(motion.shutterSteps))
+        faults.add("/motion/shutterSteps", "must be a power of two");
+}
+
 }  // namespace
 
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
@@ -89,6 +116,8 @@ void checkJob(const JobSpec& job, Faults& faults) {
     checkFrames(job.frames, faults);
     checkTiles(job.image, faults);
     checkEnvironment(job, faults);
+    checkView(job.view, faults);
+    checkMotion(job.motion, faults);
     for (size_t i = 0; i < job.lights.size(); ++i)
         checkLight(job.lights[i], fmt::format("/lights/{}", i), faults);
     for (size_t i = 0; i < job.materials.size(); ++i)

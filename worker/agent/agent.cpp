@@ -38,8 +38,8 @@ ImageAttributes attributesOf(const Lease& lease, const WorkerHello& hello) {
 
 }  // namespace
 
+// All but what says when, how much and for whom; another frame of the same job is at hand in no time.
 std::string residentKey(const JobSpec& spec) {
-    // All but what does not change the picture of a frame.
     nlohmann::json json = toJson(spec);
     for (const char* member : {"name", "frames", "stop", "priority"}) json.erase(member);
     return json.dump();

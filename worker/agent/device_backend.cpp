@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "shared/error/error.h"
-#include "worker/scene/apply_job.h"
-#include "worker/scene/load.h"
+#include "worker/scene/timeline.h"
 
 namespace tilefarm {
 namespace {
@@ -33,53 +32,78 @@ public:
     DeviceName device() const override { return name_; }
 
     PreparedScene prepare(const JobSpec& spec, const SceneFiles& files) override {
-        renderer_.reset();
+        drop();
         if (!device_) device_.emplace(index_, options_);
         const auto begin = std::chrono::steady_clock::now();
-        Scene scene = loadJobScene(files.entry, files.environment, spec);
-        const double aspect = static_cast<double>(spec.image.width) / spec.image.height;
-        const Camera camera = selectCamera(scene, spec.camera, aspect);
+        timeline_.emplace(spec, files.entry, files.environment);
+        frame_ = spec.frames.first;
+        Scene& scene = timeline_->scene(frame_, 0);
+        const CameraPath camera = timeline_->camera(frame_);
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;
 
-        renderer_.emplace(*device_, scene, camera, spec.image, spec.settings, alsoCompiled_);
+        renderer_.emplace(*device_, timeline_->scene(frame_, 0), camera, spec.image, spec.settings,
+                          alsoCompiled_);
+        if (timeline_->steps() > 1) showScenes();
         PreparedScene prepared;
         prepared.counts = countsOf(scene);
         prepared.counts.triangles = renderer_->triangleCount();
         prepared.counts.degenerateTriangles += renderer_->degenerateTriangles();
-        prepared.warnings = std::move(scene.warnings);
+        prepared.warnings = scene.warnings;
         prepared.features = renderer_->features();
         prepared.loadSeconds = loading.count();
         prepared.times = renderer_->prepareTimes();
+        timeline_->release();
         return prepared;
     }
 
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles,
                                  SampleRange samples) override {
         if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        show(frame);
         return renderer_->render(frame, tiles, samples);
     }
 
     SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample) override {
         if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        show(frame);
         return renderer_->trace(frame, x, y, sample);
     }
 
     RenderStats stats() const override { return renderer_ ? renderer_->stats() : RenderStats{}; }
 
-    void drop() override { renderer_.reset(); }
+    void drop() override {
+        renderer_.reset();
+        timeline_.reset();
+    }
 
     void reset() override {
-        renderer_.reset();
+        drop();
         device_.reset();
     }
 
 private:
+    // Only what differs between frames: the camera, and the scene where it moves.
+    void show(int32_t frame) {
+        if (frame == frame_) return;
+        frame_ = frame;
+        renderer_->setCamera(timeline_->camera(frame));
+        if (timeline_->moves()) showScenes();
+    }
+
+    void showScenes() {
+        renderer_->setScenes(timeline_->steps(), [this](uint32_t step) -> const Scene& {
+            return timeline_->scene(frame_, step);
+        });
+    }
+
     uint32_t index_;
     gpu::DeviceOptions options_;
     uint64_t alsoCompiled_;
     DeviceName name_;
     std::optional<gpu::Device> device_;  // outlives the renderer
     std::optional<Renderer> renderer_;
+    std::optional<Timeline> timeline_;
+    int32_t frame_ = 0;  // that renderer_ holds
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ public:
           clock_(clock),
           onProgress_(onProgress),
           begin_(clock.now()),
+          before_(backend.stats()),
           grid_(spec.image) {
         for (uint32_t tile = 0; tile < grid_.count(); ++tile) result_.tiles.emplace_back(grid_.rect(tile));
         progress_.samplesInAll = uint64_t{spec.image.width} * spec.image.height * spec.stop.samples;
@@ -31,7 +32,7 @@ public:
 
     RenderedFrame run() {
         for (const SampleRange samples : passSchedule(spec_.stop.samples)) renderLevel(samples);
-        result_.stats = backend_.stats();
+        result_.stats = stats();
         result_.seconds = seconds();
         return std::move(result_);
     }
@@ -76,7 +77,7 @@ private:
     void addPoint(uint32_t samples) {
         ErrorSums sums;
         for (const FilmTile& tile : result_.tiles) sums.add(tile);
-        progress_.last = {samples, std::nullopt, backend_.stats().deviceSeconds};
+        progress_.last = {samples, std::nullopt, stats().deviceSeconds};
         if (samples > 1) progress_.last.relativeError = sums.relativeError();
         if (std::has_single_bit(samples) || samples == spec_.stop.samples)
             result_.errorCurve.push_back(progress_.last);
@@ -90,6 +91,20 @@ private:
         if (onProgress_) onProgress_(progress_);
     }
 
+    // Of this frame alone; the device counts on.
+    RenderStats stats() const {
+        RenderStats now = backend_.stats();
+        now.deviceSeconds -= before_.deviceSeconds;
+        now.samples -= before_.samples;
+        now.rays -= before_.rays;
+        now.droppedSamples -= before_.droppedSamples;
+        now.faults.rejectedPaths -= before_.faults.rejectedPaths;
+        now.faults.truncatedPaths -= before_.faults.truncatedPaths;
+        auto& dropped = now.faults.dropped;
+        dropped.erase(dropped.begin(),
+                      dropped.begin() + static_cast<std::ptrdiff_t>(before_.faults.dropped.size()));
+        return now;
+    }
     double seconds() const { return std::chrono::duration<double>(clock_.now() - begin_).count(); }
 
     RenderBackend& backend_;
@@ -98,6 +113,7 @@ private:
     const Clock& clock_;
     const std::function<void(const FrameProgress&)>& onProgress_;
     const TimePoint begin_;
+    const RenderStats before_;
     const TileGrid grid_;
     FrameProgress progress_;
     RenderedFrame result_;

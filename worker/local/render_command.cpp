@@ -8,6 +8,7 @@
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/image/png.h"
+#include "shared/job/numbered.h"
 #include "shared/job/wire.h"
 #include "worker/local/local_report.h"
 #include "worker/local/scene_bundle.h"
@@ -86,6 +87,32 @@ void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* ou
     }
 }
 
+fs::path fileFor(const fs::path& path, const JobSpec& spec, int32_t frame) {
+    return spec.frames.count > 1 && !path.empty() ? numbered(path, frame) : path;
+}
+
+void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBackend& device,
+               const PreparedScene& scene, const Clock& clock, std::FILE* progress) {
+    const fs::path exr = fileFor(render.exr, spec, number), png = fileFor(render.png, spec, number),
+                   report = fileFor(render.report, spec, number);
+    if (spec.frames.count > 1) fmt::print(progress, "frame {}\n", number);
+    spec.frames = {number, 1};
+    ProgressLine line(progress);
+    const RenderedFrame frame =
+        renderFrame(device, spec, number, clock, [&](const FrameProgress& p) { line.show(p); });
+    if (frame.stats.droppedSamples > 0)
+        fmt::print(progress, "warning: {} samples were not finite and were dropped\n",
+                   frame.stats.droppedSamples);
+    for (const DroppedSample& s : frame.stats.faults.dropped)
+        fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
+    writeFrameExr(
+        exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
+        localAttributes(spec, device.device(), frame));
+    if (!png.empty()) writePng(png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
+    if (!report.empty())
+        writeDurably(report, localReport(spec, device.device(), scene, frame).dump(2) + "\n");
+}
+
 }  // namespace
 
 void requireValid(const LocalRender& render) {
@@ -109,21 +136,8 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
         fmt::print(progress, "warning: {}: {}: {}\n", w.where, w.feature, w.instead);
     if (const auto& at = render.pixel)
         return showSample(*at, device->trace(spec.frames.first, at->x, at->y, at->sample), samples);
-    ProgressLine line(progress);
-    const RenderedFrame frame =
-        renderFrame(*device, spec, spec.frames.first, clock, [&](const FrameProgress& p) { line.show(p); });
-    if (frame.stats.droppedSamples > 0)
-        fmt::print(progress, "warning: {} samples were not finite and were dropped\n",
-                   frame.stats.droppedSamples);
-    for (const DroppedSample& s : frame.stats.faults.dropped)
-        fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
-
-    writeFrameExr(
-        render.exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
-        localAttributes(spec, device->device(), frame));
-    if (!render.png.empty()) writePng(render.png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
-    if (!render.report.empty())
-        writeDurably(render.report, localReport(spec, device->device(), scene, frame).dump(2) + "\n");
+    for (uint32_t i = 0; i < spec.frames.count; ++i)
+        renderOne(render, spec, spec.frames.first + static_cast<int32_t>(i), *device, scene, clock, progress);
 }
 
 }  // namespace tilefarm

@@ -10,4 +10,11 @@ namespace tilefarm {
 /// (or ymag) is kept and the image's own aspect decides the width.
 void setCamera(gpu::FrameParameters& parameters, const Camera& camera, const ImageSpec& image);
 
+/// Likewise for a camera on its way, with its lens; also parameters.sampling.z. Throws Error(invalidArgument)
+/// if there are more keys than CAMERA_KEYS.
+void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, const ImageSpec& image);
+
+/// The FEATURE_* that a camera calls for.
+uint64_t featuresOf(const CameraPath& path);
+
 }  // namespace tilefarm

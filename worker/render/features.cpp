@@ -53,6 +53,12 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "hidden environment",
     "shapes",
     "distance fields",
+    "depth of field",
+    "panorama camera",
+    "camera motion",
+    "pixel filter",
+    "Sobol sampler",
+    "stratified sampler",
 };
 static_assert(!kNames.back().empty());
 

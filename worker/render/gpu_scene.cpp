@@ -73,26 +73,39 @@ uint64_t lightingFeatures(const RenderSettings& settings, const Environment& env
 
 class Uploader {
 public:
-    Uploader(const gpu::Device& device, std::vector<gpu::TexelBuffer>& buffers)
-        : device_(device), buffers_(buffers) {}
+    Uploader(const gpu::Device& device, std::vector<gpu::TexelBuffer>& buffers, const GpuScene* like)
+        : device_(device), buffers_(buffers), like_(like) {}
 
+    /// `same`: the buffer is that of `like`, if there is one.
     template <typename T>
-    void add(TexelFormat format, const std::vector<T>& values, const char* name) {
-        buffers_.emplace_back(device_, format, gpu::bytesOf(values), name);
+    void add(TexelFormat format, const std::vector<T>& values, const char* name, bool same = false) {
+        if (like_ && same)
+            buffers_.push_back(like_->buffers[buffers_.size()]);
+        else
+            buffers_.emplace_back(device_, format, gpu::bytesOf(values), name);
     }
 
 private:
     const gpu::Device& device_;
     std::vector<gpu::TexelBuffer>& buffers_;
+    const GpuScene* like_;
 };
+
+void takeEnvironment(GpuScene& scene, const PackedEnvironment& packed, const GpuScene* like) {
+    scene.environmentWidth = like ? like->environmentWidth : packed.width;
+    scene.environmentHeight = like ? like->environmentHeight : packed.height;
+    scene.environmentWeightSum = like ? like->environmentWeightSum : packed.weightSum;
+    scene.environmentFlux = like ? like->environmentFlux : packed.flux();
+}
 
 }  // namespace
 
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times) {
+                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times,
+                      const GpuScene* like) {
     const auto start = std::chrono::steady_clock::now();
     const Bvh bvh = buildBvh(world.corners(), nonOpaquePrimitives(scene, world), shapeBoxes(world.shapes));
-    times.bvhSeconds = secondsSince(start);
+    times.bvhSeconds += secondsSince(start);
 
     TexturePacker textures(scene);
     MaterialPacker materials(textures, settings);
@@ -100,10 +113,12 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     for (size_t i = 0; i < scene.materials.size(); ++i) materials.add(scene.materials[i], used[i]);
     for (size_t i = 0; i < world.lightMaterials.size(); ++i)
         materials.add(world.lightMaterials[i], used[scene.materials.size() + i]);
-    const PackedEnvironment environment = packEnvironment(scene.environment);
-    PackedLights lights = packLights(scene, world, environment.flux(), settings.lightSelection);
-
     GpuScene result;
+    const PackedEnvironment environment = like ? PackedEnvironment{} : packEnvironment(scene.environment);
+    takeEnvironment(result, environment, like);
+    result.images = textures.images;
+    PackedLights lights = packLights(scene, world, result.environmentFlux, settings.lightSelection);
+
     result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |
                       lightingFeatures(settings, scene.environment) | extraFeatures;
     result.vertexTexels = vertexTexelsFor(result.features);
@@ -111,9 +126,6 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.stackSize = bvhStackConstant(bvh);
     result.lightCount = static_cast<uint32_t>(lights.records.size());
     result.environmentLight = lights.environmentLight;
-    result.environmentWidth = environment.width;
-    result.environmentHeight = environment.height;
-    result.environmentWeightSum = environment.weightSum;
     const double turns = scene.environment.rotation / (2 * std::numbers::pi);
     result.environmentTurns = turns - std::floor(turns);
     result.environmentHidden = !scene.environment.visible;
@@ -121,24 +133,25 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.sunCount = lights.sunCount;
 
     const auto upload = std::chrono::steady_clock::now();
-    Uploader to(device, result.buffers);
+    Uploader to(device, result.buffers, like);
+    const bool sameImages = like && like->images == result.images;
     to.add(TexelFormat::rgba32ui, bvh.nodes, "BVH nodes");
     to.add(TexelFormat::rgba32ui, bvh.triangles, "triangles");
     to.add(TexelFormat::rgba32ui, packPrimitives(world), "primitives");
     to.add(TexelFormat::rgba32ui, packVertices(world, result.vertexTexels), "vertices");
     to.add(TexelFormat::rgba32ui, materials.records, "materials");
     to.add(TexelFormat::rgba32ui, textures.records, "texture records");
-    to.add(TexelFormat::rgba8unorm, textures.texels8, "8-bit texels");
-    to.add(TexelFormat::rgba32f, textures.texels32, "float texels");
+    to.add(TexelFormat::rgba8unorm, textures.texels8, "8-bit texels", sameImages);
+    to.add(TexelFormat::rgba32f, textures.texels32, "float texels", sameImages);
     to.add(TexelFormat::rgba32ui, lights.records, "lights");
     to.add(TexelFormat::rgba32ui, lights.alias, "light alias table");
     to.add(TexelFormat::rgba32ui, padded(std::move(lights.primitiveLights)), "lights of primitives");
-    to.add(TexelFormat::rgba32f, environment.texels, "environment");
-    to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table");
+    to.add(TexelFormat::rgba32f, environment.texels, "environment", true);
+    to.add(TexelFormat::rgba32ui, environment.alias, "environment alias table", true);
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
     to.add(TexelFormat::rgba32ui, lights.tree, "light tree");
     to.add(TexelFormat::rgba32ui, packShapes(world.shapes), "shapes");
-    times.uploadSeconds = secondsSince(upload);
+    times.uploadSeconds += secondsSince(upload);
     return result;
 }
 

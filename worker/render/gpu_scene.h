@@ -24,11 +24,15 @@ struct GpuScene {
     bool environmentHidden = false;
     uint32_t firstSun = 0, sunCount = 0;
     uint64_t triangles = 0;
+    double environmentFlux = 0;
+    std::vector<uint32_t> images;  // of the scene, in the order of their texels
 };
 
 /// Packs and uploads everything but the camera. `extraFeatures`: effects that camera and settings call for.
+/// `like`: an earlier moment of the same scene, to share what time does not change: environment and images.
 GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
-                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times);
+                      const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times,
+                      const GpuScene* like = nullptr);
 
 /// The members of FrameParameters that say where the lights are.
 void setLights(gpu::FrameParameters& parameters, const GpuScene& scene);

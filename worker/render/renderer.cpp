@@ -10,6 +10,7 @@
 #include "worker/render/camera_parameters.h"
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
+#include "worker/render/sample_parameters.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm {
@@ -23,107 +24,173 @@ constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 22;
 constexpr uint64_t kSamplesPerDispatchGpu = uint64_t{1} << 26;
 constexpr uint32_t kGroupSize = 8;
 
-std::vector<uint32_t> kernelConstants(const GpuScene& scene) {
-    std::vector<uint32_t> constants(gpu::SPEC_COUNT);
-    constants[gpu::SPEC_FEATURES] = static_cast<uint32_t>(scene.features);
-    constants[gpu::SPEC_FEATURES_HIGH] = static_cast<uint32_t>(scene.features >> 32);
-    constants[gpu::SPEC_VERTEX_TEXELS] = scene.vertexTexels;
-    constants[gpu::SPEC_STACK_SIZE] = scene.stackSize;
-    return constants;
-}
+// What a kernel is compiled for.
+struct KernelShape {
+    uint64_t features = 0;
+    uint32_t vertexTexels = 0, stackSize = 0;
+    friend bool operator==(const KernelShape&, const KernelShape&) = default;
+};
 
-gpu::PipelineSpec pipelineSpec(const GpuScene& scene) {
+gpu::PipelineSpec pipelineSpec(const KernelShape& shape) {
     gpu::PipelineSpec spec;
     spec.spirv = path_trace_comp;
     spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
-    spec.constants = kernelConstants(scene);
+    spec.constants.resize(gpu::SPEC_COUNT);
+    spec.constants[gpu::SPEC_FEATURES] = static_cast<uint32_t>(shape.features);
+    spec.constants[gpu::SPEC_FEATURES_HIGH] = static_cast<uint32_t>(shape.features >> 32);
+    spec.constants[gpu::SPEC_VERTEX_TEXELS] = shape.vertexTexels;
+    spec.constants[gpu::SPEC_STACK_SIZE] = shape.stackSize;
     spec.pushConstantBytes = sizeof(gpu::PassConstants);
     spec.name = "path_trace";
     return spec;
 }
 
-uint64_t featuresOf(const Camera& camera) {
-    return camera.orthographic ? gpu::bit(gpu::FEATURE_ORTHOGRAPHIC) : 0;
-}
-
-gpu::FrameParameters frameParameters(const GpuScene& scene, const Camera& camera, const ImageSpec& image,
-                                     const RenderSettings& settings) {
-    gpu::FrameParameters p{};
-    setCamera(p, camera, image);
-    p.image = {image.width, image.height, settings.seed, 0};
-    p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
-    setLights(p, scene);
-    return p;
-}
+// The scene of one part of the shutter's time, which may be all of it.
+struct Moment {
+    GpuScene scene;
+    glm::dvec3 centre;
+    uint64_t degenerateTriangles = 0;
+    gpu::FrameParameters parameters{};
+    gpu::StorageBuffer parameterBuffer;
+    std::vector<gpu::Binding> bindings;
+};
 
 }  // namespace
 
 struct Renderer::Impl {
-    Impl(const gpu::Device& on, const Scene& source, const Camera& camera, const ImageSpec& size,
-         const RenderSettings& settings, uint64_t alsoCompiled)
-        : Impl(on, source, flatten(source), camera, size, settings, alsoCompiled) {}
+    Impl(const gpu::Device& on, const Scene& source, const CameraPath& camera, const ImageSpec& size,
+         const RenderSettings& settings, uint64_t alsoCompiled);
 
+    void setCamera(const CameraPath& path);
+    void setScenes(uint32_t steps, const std::function<const Scene&(uint32_t)>& sceneOf);
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples);
     SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample);
 
     const gpu::Device& device;
-    ImageSpec image;
+    const ImageSpec image;
+    const RenderSettings settings;
     TileGrid grid;
     PrepareTimes times;
-    GpuScene scene;
     FeatureReport features;
-    gpu::FrameParameters parameters;
-    gpu::ComputePipeline pipeline;
+    uint64_t wanted;  // FEATURE_* that some moment so far has called for
+    KernelShape compiled;
+    CameraPath camera;
+    std::vector<Moment> moments;  // in the order of time
+    std::optional<gpu::ComputePipeline> pipeline;
     uint32_t tilesPerBatch;
-    gpu::StorageBuffer parameterBuffer, tileBuffer, filmBuffer, counterBuffer;
-    std::vector<gpu::Binding> bindings;
+    gpu::StorageBuffer tileBuffer, filmBuffer, counterBuffer;
     RenderStats stats;
-    uint64_t degenerateTriangles;
 
 private:
-    Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world, const Camera& camera,
-         const ImageSpec& size, const RenderSettings& settings, uint64_t alsoCompiled);
-    void renderBatch(std::span<const uint32_t> tiles, SampleRange samples, std::vector<PassFilm>& films);
+    Moment makeMoment(const Scene& scene, uint64_t alsoCompiled, const GpuScene* like);
+    void setParameters(int32_t frame);
+    void compileIfNeeded();
+    void renderBatch(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples,
+                     std::vector<PassFilm>& films);
     void uploadTiles(std::span<const uint32_t> tiles);
-    std::vector<uint32_t> dispatch(uint32_t tileCount, SampleRange pass, SampleRange part);
+    std::vector<uint32_t> dispatch(const Moment& moment, uint32_t tileCount,
+                                   const gpu::PassConstants& constants);
     void countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
                      std::span<PassFaults> faults);
-    bool traces() const { return (scene.features & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
+    bool traces() const { return (wanted & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
     uint64_t filmBytes() const;
     PassFilm cropped(uint32_t tile, SampleRange samples, const std::byte* film) const;
     uint64_t tilePixels() const { return uint64_t{image.tileSize} * image.tileSize; }
 };
 
-Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const WorldGeometry& world,
-                     const Camera& camera, const ImageSpec& size, const RenderSettings& settings,
-                     uint64_t alsoCompiled)
+Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPath& path,
+                     const ImageSpec& size, const RenderSettings& how, uint64_t alsoCompiled)
     : device(on),
       image(size),
+      settings(how),
       grid(size),
-      scene(makeGpuScene(on, source, world, settings, featuresOf(camera) | alsoCompiled, times)),
-      features(reportFeatures(scene.features)),
-      parameters(frameParameters(scene, world.recentred(camera), size, settings)),
-      pipeline(on, pipelineSpec(scene)),
+      wanted(samplingFeatures(how) | alsoCompiled),
+      camera(path),
       tilesPerBatch(traces() ? 1
                              : static_cast<uint32_t>(
                                    std::clamp<uint64_t>(kFilmPixels / tilePixels(), 1, grid.count()))),
-      parameterBuffer(on, sizeof(gpu::FrameParameters), "frame parameters"),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
       filmBuffer(on, filmBytes(), "film"),
       counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
-                    "counters"),
-      degenerateTriangles(world.degenerateTriangles) {
-    bindings.assign(scene.buffers.begin(), scene.buffers.end());
-    bindings.insert(bindings.end(), {parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
+                    "counters") {
+    setScenes(1, [&](uint32_t) -> const Scene& { return source; });
+}
+
+Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, const GpuScene* like) {
+    const WorldGeometry world = flatten(scene);
+    Moment moment{makeGpuScene(device, scene, world, settings, alsoCompiled, times, like),
+                  world.centre,
+                  world.degenerateTriangles,
+                  {},
+                  gpu::StorageBuffer(device, sizeof(gpu::FrameParameters), "frame parameters"),
+                  {}};
+    moment.bindings.assign(moment.scene.buffers.begin(), moment.scene.buffers.end());
+    moment.bindings.insert(moment.bindings.end(),
+                           {moment.parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
+    return moment;
+}
+
+void Renderer::Impl::setScenes(uint32_t steps, const std::function<const Scene&(uint32_t)>& sceneOf) {
+    std::optional<GpuScene> like;
+    if (!moments.empty()) like = std::move(moments.front().scene);
+    const auto packedAlike = [&] {
+        return std::all_of(moments.begin(), moments.end(), [&](const Moment& m) {
+            return m.scene.vertexTexels == moments.front().scene.vertexTexels;
+        });
+    };
+    do {                  // again if an effect begins in the middle: all must be packed for one kernel
+        moments.clear();  // before the next ones take memory
+        for (uint32_t i = 0; i < steps; ++i) {
+            moments.push_back(makeMoment(sceneOf(i), wanted, like ? &*like : nullptr));
+            if (!like) like = moments.front().scene;
+            wanted |= moments.back().scene.features;
+        }
+    } while (!packedAlike());
+    compileIfNeeded();
+}
+
+void Renderer::Impl::setCamera(const CameraPath& path) {
+    camera = path;
+    compileIfNeeded();
+}
+
+void Renderer::Impl::compileIfNeeded() {
+    setParameters(0);
+    KernelShape shape{wanted | featuresOf(camera), moments.front().scene.vertexTexels, compiled.stackSize};
+    for (const Moment& moment : moments) shape.stackSize = std::max(shape.stackSize, moment.scene.stackSize);
+    if (pipeline && shape == compiled) return;
     // Drivers compile on first use: an empty dispatch keeps that out of the first pass's time.
     const auto start = std::chrono::steady_clock::now();
+    compiled = shape;
+    wanted = shape.features;
+    features = reportFeatures(compiled.features);
+    pipeline.emplace(device, pipelineSpec(compiled));
     const std::vector<gpu::uvec4> none(tilesPerBatch);
     tileBuffer.upload(gpu::bytesOf(none));
-    parameterBuffer.upload(gpu::bytesOfValue(parameters));
-    dispatch(1, {0, 0}, {0, 0});
-    times.pipelineSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    stats = {};
+    const RenderStats before = stats;
+    dispatch(moments.front(), 1, {0, 0, 1, 0, image.tileSize});
+    stats = before;
+    times.pipelineSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void Renderer::Impl::setParameters(int32_t frame) {
+    for (size_t i = 0; i < moments.size(); ++i) {
+        Moment& moment = moments[i];
+        gpu::FrameParameters& p = moment.parameters;
+        p = {};
+        CameraPath moved = camera;
+        for (Camera& key : moved.keys) key.toWorld[3] -= glm::dvec4(moment.centre, 0.0);
+        if (moved.pivot) *moved.pivot -= moment.centre;
+        setCameraPath(p, moved, image);
+        setSampling(p, settings);
+        p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
+        p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
+        setLights(p, moment.scene);
+        const double share = 1.0 / static_cast<double>(moments.size());
+        p.shutter = {static_cast<double>(i) * share, share, 0, 0};
+        moment.parameterBuffer.upload(gpu::bytesOfValue(p));
+    }
 }
 
 void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
@@ -139,7 +206,7 @@ void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
 // A trace stands behind the film of one tile: a step for every scattering, for what the last ray met, and an
 // end.
 uint64_t Renderer::Impl::filmBytes() const {
-    const uint64_t steps = traces() ? uint64_t{parameters.path.x} + 3 : 0;
+    const uint64_t steps = traces() ? uint64_t{settings.maxBounces} + 3 : 0;
     return sizeof(PassPixel) * tilePixels() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
 }
 
@@ -164,12 +231,12 @@ void Renderer::Impl::countFaults(std::span<const uint32_t> counts, std::span<con
 }
 
 // Gives the counters.
-std::vector<uint32_t> Renderer::Impl::dispatch(uint32_t tileCount, SampleRange pass, SampleRange part) {
-    const gpu::PassConstants constants{part.first, part.count, pass.first, image.tileSize};
+std::vector<uint32_t> Renderer::Impl::dispatch(const Moment& moment, uint32_t tileCount,
+                                               const gpu::PassConstants& constants) {
     const uint32_t groups = (image.tileSize + kGroupSize - 1) / kGroupSize;
     counterBuffer.zero();
     gpu::CommandRun run(device);
-    run.dispatch(pipeline, bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
+    run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
     const size_t counters = run.read(counterBuffer);
     gpu::Submission submission = run.submit();
     stats.deviceSeconds += submission.wait();
@@ -194,7 +261,9 @@ PassFilm Renderer::Impl::cropped(uint32_t tile, SampleRange samples, const std::
     return result;
 }
 
-void Renderer::Impl::renderBatch(std::span<const uint32_t> tiles, SampleRange samples,
+// Samples of one moment after those of another, so the order within a pass, and with it its rounding, is
+// fixed.
+void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples,
                                  std::vector<PassFilm>& films) {
     uploadTiles(tiles);
     uint64_t pixels = 0;
@@ -202,9 +271,16 @@ void Renderer::Impl::renderBatch(std::span<const uint32_t> tiles, SampleRange sa
     const uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
     const auto step = static_cast<uint32_t>(std::clamp<uint64_t>(most / pixels, 1, samples.count));
     std::vector<PassFaults> faults(tiles.size());
-    for (uint32_t done = 0; done < samples.count; done += step) {
-        const SampleRange part{samples.first + done, std::min(step, samples.count - done)};
-        countFaults(dispatch(static_cast<uint32_t>(tiles.size()), samples, part), tiles, faults);
+    const auto moment = static_cast<uint32_t>(moments.size());
+    uint32_t continued = 0;
+    for (uint32_t i = 0; i < std::min(moment, samples.count); ++i) {
+        const uint32_t first = samples.first + i, count = (samples.count - i + moment - 1) / moment;
+        for (uint32_t done = 0; done < count; done += step, continued = 1)
+            countFaults(dispatch(moments[shutterStep(first, moment, settings.seed, frame)],
+                                 static_cast<uint32_t>(tiles.size()),
+                                 {first + done * moment, std::min(step, count - done), moment, continued,
+                                  image.tileSize}),
+                        tiles, faults);
     }
     stats.samples += pixels * samples.count;
 
@@ -226,13 +302,12 @@ std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint
             throw Error(ErrorCode::invalidArgument, "tile " + std::to_string(tile) +
                                                         " is outside the image's " +
                                                         std::to_string(grid.count()) + " tiles");
-    parameters.image.w = static_cast<uint32_t>(frame);
-    parameterBuffer.upload(gpu::bytesOfValue(parameters));
+    setParameters(frame);
     std::vector<PassFilm> films;
     films.reserve(tiles.size());
     for (size_t first = 0; first < tiles.size(); first += tilesPerBatch)
-        renderBatch(tiles.subspan(first, std::min<size_t>(tilesPerBatch, tiles.size() - first)), samples,
-                    films);
+        renderBatch(frame, tiles.subspan(first, std::min<size_t>(tilesPerBatch, tiles.size() - first)),
+                    samples, films);
     return films;
 }
 
@@ -241,10 +316,10 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
     if (x >= image.width || y >= image.height)
         throw Error(ErrorCode::invalidArgument,
                     "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is outside of the image");
-    parameters.image.w = static_cast<uint32_t>(frame);
-    parameterBuffer.upload(gpu::bytesOfValue(parameters));
+    setParameters(frame);
     tileBuffer.upload(gpu::bytesOfValue(gpu::uvec4(x, y, 1, 1)));
-    dispatch(1, {sample, 1}, {sample, 1});
+    const auto steps = static_cast<uint32_t>(moments.size());
+    dispatch(moments[shutterStep(sample, steps, settings.seed, frame)], 1, {sample, 1, 1, 0, image.tileSize});
     std::vector<gpu::vec4> texels((filmBytes() - sizeof(PassPixel) * tilePixels()) / sizeof(gpu::vec4));
     filmBuffer.read(std::as_writable_bytes(std::span(texels)), sizeof(PassPixel) * tilePixels());
     SampleTrace result;
@@ -259,6 +334,10 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera,
                    const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
+    : Renderer(device, scene, CameraPath{{camera}, std::nullopt}, image, settings, alsoCompiled) {}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, const CameraPath& camera,
+                   const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
     : impl_(std::make_unique<Impl>(device, scene, camera, image, settings, alsoCompiled)) {}
 
 Renderer::~Renderer() = default;
@@ -271,6 +350,12 @@ SampleTrace Renderer::trace(int32_t frame, uint32_t x, uint32_t y, uint32_t samp
     return impl_->trace(frame, x, y, sample);
 }
 
+void Renderer::setCamera(const CameraPath& path) {
+    impl_->setCamera(path);
+}
+void Renderer::setScenes(uint32_t steps, const std::function<const Scene&(uint32_t step)>& sceneOf) {
+    impl_->setScenes(steps, sceneOf);
+}
 const RenderStats& Renderer::stats() const {
     return impl_->stats;
 }
@@ -281,13 +366,13 @@ const PrepareTimes& Renderer::prepareTimes() const {
     return impl_->times;
 }
 uint64_t Renderer::featureBits() const {
-    return impl_->scene.features;
+    return impl_->compiled.features;
 }
 uint64_t Renderer::triangleCount() const {
-    return impl_->scene.triangles;
+    return impl_->moments.front().scene.triangles;
 }
 uint64_t Renderer::degenerateTriangles() const {
-    return impl_->degenerateTriangles;
+    return impl_->moments.front().degenerateTriangles;
 }
 
 }  // namespace tilefarm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -58,7 +59,19 @@ public:
     /// for them, which must not change a bit of the picture (tests/shader/feature_bits_test.cpp).
     Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera, const ImageSpec& image,
              const RenderSettings& settings, uint64_t alsoCompiled = 0);
+    /// Likewise with a camera that moves while the shutter is open.
+    Renderer(const gpu::Device& device, const Scene& scene, const CameraPath& camera, const ImageSpec& image,
+             const RenderSettings& settings, uint64_t alsoCompiled = 0);
     ~Renderer();
+
+    /// Moves the camera, and opens the shutter for as long as its path takes. Cheap: the scene stays as it
+    /// is.
+    void setCamera(const CameraPath& path);
+    /// Replaces the scene by others with the same images and environment: those of the middles of `steps`
+    /// equal parts of the shutter's time, a power of two, in the order of time. A sample belongs to one of
+    /// them by its index. One step: the scene does not move while the shutter is open. Each is asked for when
+    /// its turn comes.
+    void setScenes(uint32_t steps, const std::function<const Scene&(uint32_t step)>& sceneOf);
 
     /// Films of the tiles `tiles` (indices in the TileGrid of the image) over `samples`, in the order
     /// given. A sample is a pure function of (scene, settings, frame, pixel, sample index).

@@ -46,6 +46,7 @@ uint32_t TexturePacker::firstTexelOf(uint32_t image) {
         texels32.insert(texels32.end(), source.rgbaFloat.begin(), source.rgbaFloat.end());
     else
         texels8.insert(texels8.end(), source.rgba8.begin(), source.rgba8.end());
+    images.push_back(image);
     return firstTexel_[image] = static_cast<uint32_t>(first);
 }
 

@@ -20,6 +20,7 @@ public:
     std::vector<gpu::TextureRecord> records;
     std::vector<uint8_t> texels8;  // RGBA
     std::vector<float> texels32;   // RGBA
+    std::vector<uint32_t> images;  // of the scene, in the order of their texels
     /// What the added textures call for: FEATURE_* of filtering, transforms, UV sets and formats.
     uint64_t features = 0;
 

@@ -202,6 +202,41 @@ void Animations::add(LoadContext& load, const JsonNode& channel, Track track, bo
     tracks_.push_back(std::move(track));
 }
 
+bool Animations::camerasOnly(const JsonNode& root) const {
+    std::vector<bool> joint(root["nodes"].size());
+    for (size_t i = 0; i < root["skins"].size(); ++i) {
+        const JsonNode joints = root["skins"][i]["joints"];
+        for (size_t k = 0; k < joints.size(); ++k) {
+            joint[joints[k].index(joint.size(), "/nodes")] = true;
+        }
+    }
+    // A node that carries more than a camera carries a mesh, or something by an extension.
+    const auto carriesCamerasAlone = [&](uint32_t first) {
+        std::vector<uint32_t> open{first};
+        std::vector<bool> seen(joint.size());
+        while (!open.empty()) {
+            const uint32_t index = open.back();
+            open.pop_back();
+            const JsonNode node = root["nodes"][index];
+            if (joint[index] || node["mesh"] || node["extensions"]) {
+                return false;
+            }
+            const JsonNode children = node["children"];
+            for (size_t i = 0; i < children.size() && !seen[index]; ++i) {
+                open.push_back(children[i].index(joint.size(), "/nodes"));
+            }
+            seen[index] = true;
+        }
+        return true;
+    };
+    return std::all_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
+        constexpr std::string_view nodes = "/nodes/";
+        return track.pointer.starts_with("/cameras/") ||
+               (track.pointer.starts_with(nodes) &&
+                carriesCamerasAlone(static_cast<uint32_t>(std::stoul(track.pointer.substr(nodes.size())))));
+    });
+}
+
 double Animations::seconds() const {
     double longest = 0;
     for (const Track& track : tracks_) {

@@ -20,6 +20,8 @@ public:
 
     /// Whether anything moves.
     bool empty() const { return tracks_.empty(); }
+    /// Whether all that moves are cameras.
+    bool camerasOnly(const JsonNode& root) const;
     /// Of the longest animation played: from time 0 to its last key.
     double seconds() const;
     /// At `seconds`, or at that modulo each animation's length where it loops.

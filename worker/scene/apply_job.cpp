@@ -105,7 +105,8 @@ void setEnvironment(Scene& scene, const EnvironmentSettings& given) {
 
 GltfOptions gltfOptionsOf(const JobSpec& job) {
     return {.variant = job.variant,
-            .animation = "none",
+            .animation = job.motion.animation,
+            .loop = job.motion.loop,
             .microfacets = job.settings.microfacets,
             .fresnel = job.settings.fresnel,
             .materials = job.materials};

@@ -7,13 +7,13 @@
 
 namespace tilefarm {
 
-/// The scene that a job renders: its files, read with the job's variant, with what the job says of
+/// The scene that a job renders, at time 0 (timeline.h: at any): its files, read with the job's variant, with what the job says of
 /// materials, lights and environment laid over them, and light where there is none. `environment` may be
 /// empty. Throws Error(invalidArgument) that names the file or the job's member and the fault.
 Scene loadJobScene(const std::filesystem::path& entry, const std::filesystem::path& environment,
                    const JobSpec& job);
 
-/// How a job wants its glTF file read, at rest.
+/// How a job wants its glTF file read.
 GltfOptions gltfOptionsOf(const JobSpec& job);
 
 /// Adds the job's lights. For each time of an animated scene.

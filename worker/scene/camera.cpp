@@ -38,6 +38,15 @@ std::vector<glm::dvec3> boxCorners(const Scene& scene) {
     return corners;
 }
 
+glm::dvec3 middleOf(const std::vector<glm::dvec3>& corners) {
+    glm::dvec3 lower(std::numeric_limits<double>::infinity()), upper = -lower;
+    for (glm::dvec3 corner : corners) {
+        lower = glm::min(lower, corner);
+        upper = glm::max(upper, corner);
+    }
+    return corners.empty() ? glm::dvec3(0) : lower + (upper - lower) * 0.5;
+}
+
 std::string listOf(const std::vector<Camera>& cameras) {
     std::string list;
     for (const Camera& camera : cameras) {
@@ -67,14 +76,13 @@ Camera selectCamera(const Scene& scene, const std::string& name, double imageAsp
                 fmt::format("the scene has no camera \"{}\"; it has {}", name, listOf(scene.cameras)));
 }
 
+glm::dvec3 middleOf(const Scene& scene) {
+    return middleOf(boxCorners(scene));
+}
+
 Camera framingCamera(const Scene& scene, double imageAspect) {
     const std::vector<glm::dvec3> corners = boxCorners(scene);
-    glm::dvec3 lower(std::numeric_limits<double>::infinity()), upper = -lower;
-    for (glm::dvec3 corner : corners) {
-        lower = glm::min(lower, corner);
-        upper = glm::max(upper, corner);
-    }
-    const glm::dvec3 centre = corners.empty() ? glm::dvec3(0) : lower + (upper - lower) * 0.5;
+    const glm::dvec3 centre = middleOf(corners);
     const glm::dvec3 back(std::sin(kAzimuth) * std::cos(kElevation), std::sin(kElevation),
                           std::cos(kAzimuth) * std::cos(kElevation));
     const glm::dvec3 right = normalizeOrZero(glm::cross(glm::dvec3(0, 1, 0), back));

@@ -102,6 +102,10 @@ bool GltfSource::animated() const {
     return !impl_->animations.empty();
 }
 
+bool GltfSource::moves() const {
+    return !impl_->animations.camerasOnly(impl_->file.root());
+}
+
 double GltfSource::seconds() const {
     return impl_->animations.seconds();
 }

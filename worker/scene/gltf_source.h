@@ -27,6 +27,8 @@ public:
 
     /// Whether the scene differs between times. A file that is not animated always shows the same.
     bool animated() const;
+    /// Whether more than cameras differs.
+    bool moves() const;
     /// Of the longest animation, from time 0 to its last key; 0 if none plays.
     double seconds() const;
     /// The scene at a time in seconds, good until the next call; a pure function of the time but for the

@@ -30,6 +30,9 @@ Environment constantEnvironment(const glm::vec3& color);
 /// framingCamera where it has none. Throws Error(invalidArgument) that lists the names there are.
 Camera selectCamera(const Scene& scene, const std::string& name, double imageAspect);
 
+/// The middle of the box around the scene's meshes and shapes.
+glm::dvec3 middleOf(const Scene& scene);
+
 /// Sees the whole scene from the front, a little from above and from the side, with a vertical field of
 /// view of 40°.
 Camera framingCamera(const Scene& scene, double imageAspect);

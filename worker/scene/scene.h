@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -174,6 +175,18 @@ struct Camera {
     float aspect = 0;       // width / height, 0: the image's own
     float ymag = 1;         // half height in metres, orthographic
     float xmag = 1;
+    bool panorama = false;     // every direction, equirectangular
+    float apertureRadius = 0;  // m, of a perspective camera's lens; 0: a pinhole
+    float focusDistance = 1;   // m, to the plane in focus, along the view direction
+    uint32_t blades = 0;       // sides of the aperture, 0: a circle
+    float bladeRotation = 0;   // rad
+};
+
+/// A camera while the shutter is open: poses at even steps of time from its opening to its closing. One: it
+/// stands still. Between them it turns at an even rate, around `pivot` if there is one, else around itself.
+struct CameraPath {
+    std::vector<Camera> keys;
+    std::optional<glm::dvec3> pivot;
 };
 
 /// What the scene holds and the renderer treats otherwise.

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace tilefarm {
+
+enum class ViewKind : uint8_t {
+    scene,  // the scene's camera that the job names
+    perspective,
+    orthographic,
+    panorama,  // every direction, equirectangular
+};
+
+/// A camera that a job places itself, and the lens of any.
+struct ViewSettings {
+    ViewKind kind = ViewKind::scene;
+    std::array<double, 3> eye{0, 0, 1};     // m
+    std::array<double, 3> target{0, 0, 0};  // m: the middle of the picture
+    std::array<double, 3> up{0, 1, 0};
+    double yfov = 40;            // degrees, perspective: full vertical angle
+    double height = 2;           // m, orthographic: what the picture's height shows
+    double apertureRadius = 0;   // m; 0: a pinhole
+    double fNumber = 0;          // gives the aperture by the focal length instead; 0: not used
+    double sensorWidth = 0.036;  // m, for the focal length
+    double focusDistance = 0;    // m along the view direction; 0: to the target, else to the scene's middle
+    uint32_t blades = 0;         // sides of the aperture; 0: a circle
+    double bladeRotation = 0;    // degrees
+    friend bool operator==(const ViewSettings&, const ViewSettings&) = default;
+};
+
+/// How a frame's number becomes a moment, and what moves. Frame f shows the time f / fps on; while the
+/// shutter is open, from then on for `shutter` / fps.
+struct MotionSettings {
+    double fps = 24;
+    std::string animation = "all";  // of the glTF file: "all", "none" or one by name
+    bool loop = false;              // animations start again at their end, else they stay there
+    double turntable = 0;       // degrees a frame that the camera goes round the scene's middle, around +y
+    double shutter = 0;         // of the frame's time: 0 no blur, 0.5 a shutter of 180°
+    uint32_t shutterSteps = 8;  // moments that stand for the shutter where the scene moves: a power of two
+    friend bool operator==(const MotionSettings&, const MotionSettings&) = default;
+};
+
+/// How samples are spread over a pixel; each keeps the mean of the picture that its filter defines.
+enum class PixelFilter : uint8_t { box, tent, gaussian, blackmanHarris };
+
+enum class Sampler : uint8_t { random, stratified, sobol };
+
+}  // namespace tilefarm

@@ -1,0 +1,70 @@
+#include "worker/scene/view.h"
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "worker/scene/transform.h"
+
+namespace tilefarm {
+namespace {
+
+glm::dvec3 vectorOf(const std::array<double, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+double apertureRadiusOf(const Camera& camera, const ViewSettings& view, double imageAspect) {
+    if (view.fNumber <= 0) {
+        return view.apertureRadius;
+    }
+    const double tangentX = std::tan(0.5 * camera.yfov) * imageAspect;
+    const double focalLength = view.sensorWidth / (2 * tangentX);
+    return focalLength / (2 * view.fNumber);
+}
+
+double focusDistanceOf(const Camera& camera, const ViewSettings& view, const glm::dvec3& middle) {
+    if (view.focusDistance > 0) {
+        return view.focusDistance;
+    }
+    if (view.kind != ViewKind::scene) {
+        return glm::length(vectorOf(view.target) - vectorOf(view.eye));
+    }
+    const glm::dvec3 forward = -glm::normalize(glm::dvec3(camera.toWorld[2]));
+    const double distance = glm::dot(middle - glm::dvec3(camera.toWorld[3]), forward);
+    return distance > 0 ? distance : 1;
+}
+
+}  // namespace
+
+Camera placedCamera(const ViewSettings& view) {
+    Camera camera;
+    camera.name = camera.node = "view";
+    camera.orthographic = view.kind == ViewKind::orthographic;
+    camera.panorama = view.kind == ViewKind::panorama;
+    camera.yfov = static_cast<float>(glm::radians(view.yfov));
+    camera.ymag = static_cast<float>(view.height / 2);
+    // Of these, withoutScale keeps the direction and as much of what is up as it leaves.
+    camera.toWorld[1] = glm::dvec4(vectorOf(view.up), 0);
+    camera.toWorld[2] = glm::dvec4(vectorOf(view.eye) - vectorOf(view.target), 0);
+    camera.toWorld[3] = glm::dvec4(vectorOf(view.eye), 1);
+    camera.toWorld = withoutScale(camera.toWorld);
+    return camera;
+}
+
+void setLens(Camera& camera, const ViewSettings& view, double imageAspect, const glm::dvec3& middle) {
+    if (camera.orthographic || camera.panorama) {
+        return;
+    }
+    camera.apertureRadius = static_cast<float>(apertureRadiusOf(camera, view, imageAspect));
+    camera.focusDistance = static_cast<float>(focusDistanceOf(camera, view, middle));
+    camera.blades = view.blades;
+    camera.bladeRotation = static_cast<float>(glm::radians(view.bladeRotation));
+}
+
+Camera turnedAround(Camera camera, const glm::dvec3& centre, double degrees) {
+    const glm::dmat4 turn = glm::rotate(glm::dmat4(1), glm::radians(degrees), glm::dvec3(0, 1, 0));
+    camera.toWorld = glm::translate(glm::dmat4(1), centre) * turn * glm::translate(glm::dmat4(1), -centre) *
+                     camera.toWorld;
+    return camera;
+}
+
+}  // namespace tilefarm
