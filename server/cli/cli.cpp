@@ -26,8 +26,9 @@ struct Arguments {
     bool json = false;
     SubmitOptions submit;
     std::filesystem::path output, input;
-    std::string frame, channel, tone = "pbrNeutral";
+    std::string frame, frames, channel, tone = "pbrNeutral";
     float exposure = 0;
+    double fps = 0;
     CompareOptions compare;
 };
 
@@ -173,14 +174,32 @@ private:
     }
 
     void addDownload() {
-        CLI::App& c = command("download", "get a frame's picture, also while it renders",
-                              online([this](FarmClient& farm) {
-                                  return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
-                              }));
+        CLI::App& c = command(
+            "download", "get a frame's picture, also while it renders", online([this](FarmClient& farm) {
+                const bool zip = hasSuffix(a_.output.string(), ".zip");
+                if (!zip) pictureFor(a_);  // refuses other suffixes
+                if (zip && a_.frames.empty()) a_.frames = "all";
+                if (!a_.frames.empty())
+                    return downloadFrames(farm, a_.job, a_.frames, a_.output, toneOf(a_), console_);
+                return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
+            }));
         c.add_option("id", a_.job, "the job")->required();
-        c.add_option("--frame", a_.frame, "number of the frame; else the first");
-        c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png")->required();
+        CLI::Option* frame = c.add_option("--frame", a_.frame, "number of the frame; else the first");
+        c.add_option("--frames", a_.frames,
+                     "several: all, or a range like 1-48; ### in the file's name is the number")
+            ->excludes(frame);
+        c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png, or a .zip of EXRs")
+            ->required();
         addTone(c, a_);
+        CLI::App& movie =
+            command("movie", "make a movie of a job's frames, with ffmpeg", online([this](FarmClient& farm) {
+                        return makeMovie(farm, a_.job, a_.output, a_.fps, toneOf(a_), console_);
+                    }));
+        movie.add_option("id", a_.job, "the job")->required();
+        movie.add_option("-o,--output", a_.output, "a file that ends with .mp4, .webm, .gif, …")->required();
+        movie.add_option("--fps", a_.fps, "frames a second; else the job's own")
+            ->check(CLI::Range(0.001, 1000.0));
+        addTone(movie, a_);
     }
 
     void addImageTools() {

@@ -44,6 +44,15 @@ void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const
 int download(FarmClient& farm, const std::string& id, std::optional<int32_t> frame,
              const PictureOptions& pictures, const Console& console);
 
+// ---- frames.cpp
+
+/// The pictures of several frames, "all" or a range: numbered files, or a .zip of EXRs.
+int downloadFrames(FarmClient& farm, const std::string& id, const std::string& which,
+                   const std::filesystem::path& output, const ToneMapping& tone, const Console& console);
+/// All frames as a movie, by ffmpeg; what kind, the file's suffix says. `fps` 0: the job's own.
+int makeMovie(FarmClient& farm, const std::string& id, const std::filesystem::path& output, double fps,
+              const ToneMapping& tone, const Console& console);
+
 // ---- show.cpp
 
 int showJobs(FarmClient& farm, const std::string& state, bool json, const Console& console);

@@ -1,0 +1,68 @@
+"""Frames over time through the farm: a turntable, a skinned animation, a zip of EXRs, a movie."""
+import shutil
+import subprocess
+import unittest
+import zipfile
+
+from farm import DATA, SHARED, FarmTest
+
+SMALL = dict(width=64, height=48, samples=4, tile_size=32)
+CYLINDER = SHARED / "scenes" / "khronos-03_skinned_cylinder" / "03_skinned_cylinder.gltf"
+
+
+class Turntable(FarmTest):
+    def test_frames_of_a_moving_camera_are_those_of_a_local_render(self):
+        settings = dict(SMALL, turntable=7.5, shutter=0.5, fps=12)
+        self.start_server()
+        self.start_workers(1)
+        job = self.submit(DATA / "cornell.gltf", **settings, frames="0-5")
+        self.wait_for_end(job)
+        archive = self.folder / "frames.zip"
+        self.cli("download", job, "--frames", "all", "-o", archive)
+        with zipfile.ZipFile(archive) as frames:
+            names = frames.namelist()
+            self.assertEqual(names, [f"frame.{n:04}.exr" for n in range(6)])
+            self.assertIsNone(frames.testzip())
+            frames.extractall(self.folder / "frames")
+        first, fifth = self.folder / "frames" / names[0], self.folder / "frames" / names[5]
+        self.assert_other_bits(first, fifth)
+        here, _ = self.render_here(DATA / "cornell.gltf", **settings, frame=5)
+        self.assert_same_bits(fifth, here)
+        self.cli("download", job, "--frames", "2-3", "-o", self.folder / "a##.png")
+        self.assertTrue((self.folder / "a02.png").exists() and (self.folder / "a03.png").exists())
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_a_job_becomes_a_movie(self):
+        self.start_server()
+        self.start_workers(1)
+        job = self.submit(DATA / "tiny.gltf", width=33, height=16, samples=1, tile_size=16, frames="0-4", turntable=20,
+                          fps=10)
+        self.wait_for_end(job)
+        movie = self.folder / "out.mp4"
+        self.cli("movie", job, "-o", movie)
+        seen = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                               "stream=nb_read_frames,r_frame_rate,width", "-of", "csv=p=0", movie],
+                              stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+        self.assertEqual(seen, "34,10/1,5")
+
+
+@unittest.skipUnless(CYLINDER.exists(), "no shared data")
+class SkinnedAnimation(FarmTest):
+    def test_two_workers_agree_on_an_animation_with_motion_blur(self):
+        settings = dict(SMALL, shutter=0.5, shutter_steps=4, fps=4)
+        self.start_server()
+        self.start_workers(2)
+        job = self.submit(CYLINDER, **settings, frames="0-3")
+        self.wait_for_end(job)
+        pictures = []
+        for frame in (0, 3):
+            farm = self.folder / f"farm{frame}.exr"
+            self.cli("download", job, "--frame", frame, "-o", farm)
+            here, _ = self.render_here(CYLINDER, f"here{frame}.exr", **settings, frame=frame)
+            self.assert_same_bits(farm, here)
+            pictures.append(farm)
+        self.assert_other_bits(*pictures)
+
+
+if __name__ == "__main__":
+    unittest.main()
