@@ -67,6 +67,7 @@ double meanOf(const std::vector<PassPixel>& pixels) {
 // ---- pixel filters
 
 struct FilterCase {
+    std::string name;
     PixelFilter filter;
     double radius;
     double (*cdf)(double);  // of the offset over the radius
@@ -130,11 +131,13 @@ TEST_P(FilterTest, OffsetsHaveTheFiltersDistribution) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, FilterTest,
-                         testing::Values(FilterCase{PixelFilter::box, 0, boxCdf},
-                                         FilterCase{PixelFilter::box, 1.25, boxCdf},
-                                         FilterCase{PixelFilter::tent, 0, tentCdf},
-                                         FilterCase{PixelFilter::gaussian, 0, gaussianCdf},
-                                         FilterCase{PixelFilter::blackmanHarris, 2, blackmanHarrisCdf}));
+                         testing::Values(FilterCase{"Pixel", PixelFilter::box, 0, boxCdf},
+                                         FilterCase{"WideBox", PixelFilter::box, 1.25, boxCdf},
+                                         FilterCase{"Tent", PixelFilter::tent, 0, tentCdf},
+                                         FilterCase{"Gaussian", PixelFilter::gaussian, 0, gaussianCdf},
+                                         FilterCase{"BlackmanHarris", PixelFilter::blackmanHarris, 2,
+                                                    blackmanHarrisCdf}),
+                         [](const auto& one) { return one.param.name; });
 
 TEST_F(ViewTest, WithoutJitterEverySampleGoesThroughThePixelsCentre) {
     RenderSettings settings = bounces(0);
@@ -349,7 +352,10 @@ TEST_P(SamplerTest, KeepsTheMeanAndLowersTheError) {
     EXPECT_LT(chosen, 0.8 * random) << "relMSE " << chosen << " against " << random;
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, SamplerTest, testing::Values(Sampler::stratified, Sampler::sobol));
+INSTANTIATE_TEST_SUITE_P(Both, SamplerTest, testing::Values(Sampler::stratified, Sampler::sobol),
+                         [](const auto& one) {
+                             return one.param == Sampler::sobol ? "Sobol" : "Stratified";
+                         });
 
 }  // namespace
 }  // namespace tilefarm

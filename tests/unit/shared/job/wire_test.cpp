@@ -263,6 +263,38 @@ TEST(Lease, ObeysTheRulesOfItsJobAndImage) {
                 ElementsAre(Fault{"/epoch", "is missing"}, Fault{"/passes/1/count", "is missing"}));
 }
 
+TEST(JobOverTime, EveryMemberSurvivesTheWire) {
+    JobSpec job = jobFromJson(goodJob());
+    job.view = {ViewKind::perspective, {1, 2, 3}, {4, 5, 6}, {0, 0, 1}, 12, 3, 0, 2.8, 0.02, 7, 5, 15};
+    job.motion = {30, "Walk", true, 7.5, 0.5, 16};
+    job.settings.filter = PixelFilter::blackmanHarris;
+    job.settings.filterRadius = 2;
+    job.settings.jitter = false;
+    job.settings.sampler = Sampler::sobol;
+    job.settings.strata = 4;
+    EXPECT_EQ(jobFromJson(toJson(job)), job);
+}
+
+TEST(JobOverTime, MembersThatContradictEachOtherAreFaults) {
+    const auto faultsOf = [](const char* member, const char* text) {
+        json job = goodJob();
+        job[member] = json::parse(text);
+        std::vector<std::string> places;
+        for (const Fault& fault : errorOf([&] { jobFromJson(job); }).faults) places.push_back(fault.pointer);
+        return places;
+    };
+    EXPECT_THAT(faultsOf("view", R"({"kind": "perspective", "eye": [1, 1, 1], "target": [1, 1, 1]})"),
+                ElementsAre("/view/target"));
+    EXPECT_THAT(faultsOf("view", R"({"eye": [1, 1, 1]})"), ElementsAre("/view/kind"));
+    EXPECT_THAT(faultsOf("view", R"({"up": [0, 0, 0]})"), ElementsAre("/view/up"));
+    EXPECT_THAT(faultsOf("view", R"({"apertureRadius": 0.1, "fNumber": 2})"), ElementsAre("/view/fNumber"));
+    EXPECT_THAT(faultsOf("view", R"({"kind": "panorama", "apertureRadius": 0.1})"),
+                ElementsAre("/view/apertureRadius"));
+    EXPECT_THAT(faultsOf("view", R"({"blades": 2})"), ElementsAre("/view/blades"));
+    EXPECT_THAT(faultsOf("motion", R"({"shutterSteps": 6})"), ElementsAre("/motion/shutterSteps"));
+    EXPECT_THAT(faultsOf("motion", R"({"fps": 0})"), ElementsAre("/motion/fps"));
+}
+
 TEST(WorkerHello, SurvivesTheWireAndIgnoresNews) {
     const WorkerHello hello{"w-1", "render3", "llvmpipe", "Mesa 25.0", "0.1.0"};
     json written = toJson(hello);
