@@ -36,7 +36,7 @@ VIEWS = {
     "20_specular": (560, 100, (6, 2, 10), (6, 0, 0), {"half": 1.3}, STUDIO),
     "20_specular-black": (560, 100, (6, 2, 10), (6, 0, 0), {"half": 1.3}, [*STUDIO, *BLACK, "--exposure", "3"]),
     "24_gpu_instancing": (360, 220, (60, 42, 105), (20, 0, 25), {"fov": 40}, STUDIO),
-    "25_anisotropy": (400, 380, (0.5, 5.0, 30), (0.5, 5.0, 0), {"fov": 23.5}, STUDIO),
+    "25_anisotropy": (400, 380, (0.5, 5.0, 30), (0.5, 5.0, 0), {"fov": 23.5}, [*STUDIO, "--exposure", "-1.5"]),
     "25_anisotropy-bands": (280, 280, (0, 6.9, 16), (0, 6.9, 0), {"fov": 20},
                             ["--environment-kind", "none", "--light",
                              '{"kind": "point", "position": [1, 8.9, 14], "intensity": 400}']),
