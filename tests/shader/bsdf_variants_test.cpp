@@ -80,23 +80,20 @@ TEST_F(BsdfVariantsTest, AnisotropyOfNoneIsIsotropicToTheBit) {
     }
 }
 
-// The albedo tables know one α for both axes (meanAlpha in facets.glsl), which leaves these errors: light is
-// lost across fully stretched grooves at grazing angles, and a little made along them.
-TEST_F(BsdfVariantsTest, CompensationOfBrushedMetalIsOffByLittle) {
+// Compensation knows one α, so brushed metals go without: less light at high roughness, never more than came.
+TEST_F(BsdfVariantsTest, BrushedMetalMakesNoLight) {
     for (const float alpha : {0.05f, 0.5f})
-        for (const float strength : {0.3f, 0.7f, 1.f})
+        for (const float strength : {0.3f, 1.f})
             for (const double cosTheta : {0.1, 0.9})
                 for (const double phi : {0.0, 0.8, 1.57}) {
                     const float along = alpha + (1 - alpha) * strength * strength;
-                    const Moments m = albedo({"brushed",
-                                              {.metallic = 1, .alpha = alpha, .alphaT = along},
-                                              kAnisotropic | kCompensated},
-                                             cosTheta, 2048, phi);
-                    const double noise = 4 * m.energySigma;
-                    EXPECT_LT(m.energy.r, 1.07 + noise)
+                    const ProbeMaterial metal{.metallic = 1, .alpha = alpha, .alphaT = along};
+                    const Moments with =
+                        albedo({"brushed", metal, kAnisotropic | kCompensated}, cosTheta, 2048, phi);
+                    const Moments without = albedo({"brushed", metal, kAnisotropic}, cosTheta, 2048, phi);
+                    EXPECT_LE(with.energy.r, 1.005 + 4 * with.energySigma)
                         << alpha << ' ' << strength << ' ' << cosTheta << ' ' << phi;
-                    EXPECT_GT(m.energy.r, (strength < 1 ? 0.87 : 0.65) - noise)
-                        << alpha << ' ' << strength << ' ' << cosTheta << ' ' << phi;
+                    EXPECT_EQ(with.energy.r, without.energy.r);
                 }
 }
 
