@@ -125,8 +125,8 @@ void setInterface(inout Bsdf b, vec3 wo, bool frontFace) {
     if (!has(FEATURE_SPECULAR) || b.albedoTable == NO_INDEX) return;
     vec2 albedos = albedosAt(b, wo.z), averages = averageAlbedoPair(b.albedoTable, b.alpha);
     // The tables know one α: with two of them compensation would give up to 7 % too much along the grooves.
-    bool brushed = has(FEATURE_ANISOTROPY) && b.facets.alpha.x != b.facets.alpha.y;
-    b.compensation = compensationAt(b.face, b.albedoTable, frontFace, b.mirror || brushed, b.alpha, wo.z, albedos, averages);
+    bool uncompensated = b.mirror || isStretched(b.facets);
+    b.compensation = compensationAt(b.face, b.albedoTable, frontFace, uncompensated, b.alpha, wo.z, albedos, averages);
     vec3 coupling = b.compensation.coupling;
     float through = max(couplingAt(coupling, albedos), 0.0) / max(couplingAt(coupling, averages), 1e-4);
     b.diffuse.front *= through;
