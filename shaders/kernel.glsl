@@ -1,0 +1,49 @@
+// What the kernel of every integrator has: the scene, rays through it, materials, lights, camera and film.
+#ifndef KERNEL_GLSL
+#define KERNEL_GLSL
+
+#include "scene.glsl"
+#include "rng.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform PassBlock { PassConstants pass; };
+layout(std430, binding = BINDING_TILES) readonly buffer Tiles { uvec4 tiles[]; };
+layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
+layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
+
+uint rayCount = 0u;
+uint rejectedCount = 0u, truncatedCount = 0u;  // of paths, see TILE_* in gpu_types.h
+
+bool acceptHit(uint primitive, vec2 barycentrics, uint key);
+#include "intersect.glsl"
+#include "texture.glsl"
+#include "surface.glsl"
+#include "material.glsl"
+
+#include "bsdf/bsdf.glsl"
+#include "lights/light.glsl"
+#include "camera.glsl"
+#include "pixel_filter.glsl"
+#include "film.glsl"
+
+// What decides at cut-out surfaces along the rays of a bounce.
+uint cutoutKey(SampleKey key, uint bounce) {
+    return has(FEATURE_CUTOUT) ? randomBits(key, bounceDimension(bounce, DIMENSION_CUTOUT)).x : 0u;
+}
+
+bool occluded(LightSample l, uint primitive, uint key) {
+    Ray ray;
+    ray.origin = l.origin;
+    ray.tMin = 0.0;
+    ray.direction = l.infinite ? l.wi : l.target - l.origin;
+    // Not the light itself: traversal has its t to within γ(10), and a light in a plane through the origin has no error
+    // of its own that would move the target off it.
+    ray.tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
+    ray.skipPrimitive = primitive;
+    ray.key = key;
+    rayCount++;
+    return anyHit(ray);
+}
+
+#endif

@@ -1,0 +1,51 @@
+// Next event estimation: light that arrives at a surface straight from the lights.
+#ifndef DIRECT_LIGHT_GLSL
+#define DIRECT_LIGHT_GLSL
+
+// The side on which a surface sees lights, for lightPmf; zero for both.
+vec3 lightSide(Surface s, Bsdf bsdf) {
+    bool through = transmits(bsdf.face) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
+    return through ? vec3(0) : s.geometricNormal;
+}
+
+// Absorption on either side of a surface: on wo's, and behind it.
+struct Media {
+    vec3 near, far;
+};
+
+Media mediaAt(vec3 near, Surface s, MaterialPoint m, Bsdf bsdf) {
+    return Media(near, bsdf.face.thin ? near : s.frontFace ? m.absorption : vec3(0));
+}
+
+// What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
+vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
+    vec3 wi = l.wi * s.frame;
+    // Light must not leak through the surface that the shading normal only pretends to be.
+    if (dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
+    if (has(FEATURE_BSDF_SAMPLING_ONLY) && l.pdf > 0.0) return vec3(0);
+    float pdf;
+    vec3 f = bsdfEval(bsdf, wo, wi, pdf);
+    if (!(maxComponent(f) > 0.0)) return vec3(0);
+    float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
+    vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
+    if (has(FEATURE_ATTENUATION) && !l.infinite)
+        contribution *= exp(-(wi.z > 0.0 ? media.near : media.far) * distance(l.origin, l.target));
+    return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
+}
+
+// Light that arrives straight from the lights.
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
+    // Of the kinds of lights only those without extent are left to this.
+    if (has(FEATURE_BSDF_SAMPLING_ONLY) && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
+    LightSample l;
+    if (has(FEATURE_ALL_LIGHTS)) {
+        vec3 sum = vec3(0);
+        for (uint light = 0u; light < parameters.path.z; light++)
+            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media);
+        return sum;
+    }
+    if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
+    return lightThrough(l, key, bounce, s, bsdf, wo, media);
+}
+
+#endif

@@ -1,0 +1,45 @@
+// Light that a path meets by itself, weighted against light sampling's finding it.
+#ifndef FOUND_LIGHT_GLSL
+#define FOUND_LIGHT_GLSL
+
+#include "path_state.glsl"
+
+// Weight of light that the path met by itself, which light sampling finds with lightPdf.
+float emissionWeight(PathState path, float lightPdf) {
+    if (path.delta || has(FEATURE_BSDF_SAMPLING_ONLY)) return 1.0;
+    if (has(FEATURE_LIGHT_SAMPLING_ONLY)) return lightPdf > 0.0 ? 0.0 : 1.0;
+    return powerHeuristic(path.pdf, lightPdf);
+}
+
+void addSuns(inout PathState path) {
+    if (!has(FEATURE_SUN_LIGHTS)) return;
+    for (uint i = 0u; i < parameters.environment.w; i++) {
+        uint light = parameters.environment.z + i;
+        vec3 towards = -lightTexel(light, 2u).xyz;
+        float h = lightTexel(light, 3u).x;
+        if (!sunCovers(towards, h, path.ray.direction)) continue;
+        float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), path.from, path.side);
+        vec3 radiance = vec3(lightTexel(light, 1u).w, lightTexel(light, 2u).w, lightTexel(light, 3u).w);
+        path.radiance += path.throughput * radiance * emissionWeight(path, pmf * sunPdf(h));
+    }
+}
+
+// What a ray that leaves the scene meets.
+void addEnvironment(inout PathState path, uint bounce) {
+    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && bounce == 0u) return;
+    addSuns(path);
+    if (!has(FEATURE_ENVIRONMENT)) return;
+    vec4 environment = environmentAlong(path.ray.direction);
+    float weight = path.delta ? 1.0 : emissionWeight(path, environment.a * environmentPmf(path.from, path.side));
+    path.radiance += path.throughput * environment.rgb * weight;
+}
+
+void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
+    if (!hasEmitters() || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
+    if (!emitsTowards(m.flags, s.frontFace)) return;
+    float cosine = abs(dot(s.geometricNormal, path.ray.direction));
+    float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine));
+    path.radiance += path.throughput * m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine));
+}
+
+#endif

@@ -1,0 +1,18 @@
+// What a path carries from surface to surface.
+#ifndef PATH_STATE_GLSL
+#define PATH_STATE_GLSL
+
+struct PathState {
+    Ray ray;
+    vec3 throughput;
+    vec3 radiance;
+    vec3 absorption;    // of the medium the ray is in
+    float pdf;          // of the ray's direction; what lights weigh against
+    float etaScale;     // squared refraction compressions so far, kept out of Russian roulette
+    bool delta;         // no light sampling could have found this direction
+    vec3 from;          // where the path scattered last, and lightSide there: what light sampling went by
+    vec3 side;
+    uint channel;       // the only one left after dispersion; 3: all
+};
+
+#endif

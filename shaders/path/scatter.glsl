@@ -1,0 +1,53 @@
+// How a path goes on at a surface, and whether it does.
+#ifndef SCATTER_GLSL
+#define SCATTER_GLSL
+
+#include "direct_light.glsl"
+#include "path_state.glsl"
+
+// Ends dim paths at random and makes up for it in those that survive, whose throughput is then 1: a survival less than
+// the throughput would let the weights of long paths grow without bound. False: the path ends.
+bool russianRoulette(inout PathState path, float u) {
+    float survival = maxComponent(path.throughput) * path.etaScale;
+    if (u >= survival) return false;
+    if (survival < 1.0) path.throughput /= survival;
+    return true;
+}
+
+// Scatters the path at a surface. False: the path ends.
+bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
+    BsdfSample b;
+    bool found = bsdfSample(bsdf, wo, u.xyz, b);
+    vec3 direction = found ? normalize(s.frame * b.wi) : vec3(0);
+    if (!found || dot(direction, s.geometricNormal) * b.wi.z <= 0.0) {
+        rejectedCount++;
+        return false;
+    }
+    path.throughput *= b.weight;
+    path.pdf = b.pdf;
+    path.delta = b.delta;
+    path.from = s.position;
+    path.side = lightSide(s, bsdf);
+    if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.face.thin) {
+        if (transmits(bsdf.face)) path.etaScale *= bsdf.face.eta * bsdf.face.eta;
+        if (has(FEATURE_ATTENUATION)) path.absorption = mediaAt(path.absorption, s, m, bsdf).far;
+    }
+    path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
+    path.ray.direction = direction;
+    path.ray.skipPrimitive = s.primitive;
+    return maxComponent(path.throughput) > 0.0;
+}
+
+// KHR_materials_dispersion: red and blue see an index of refraction that is half the spread less or more. From its
+// first dispersive surface on a path follows one channel, chosen uniformly and weighted up.
+void disperse(inout PathState path, inout MaterialPoint m, SampleKey key) {
+    if (path.channel == 3u) {
+        path.channel = min(uint(3.0 * unitFloat(randomBits(key, DIMENSION_CHANNEL).x)), 2u);
+        vec3 kept = vec3(0);
+        kept[path.channel] = 3.0;
+        path.throughput *= kept;
+    }
+    m.ior += (float(path.channel) - 1.0) * (m.ior - 1.0) * 0.025 * m.dispersion;
+}
+
+#endif

@@ -1,0 +1,49 @@
+// The body of every integrator's kernel: one invocation per pixel, several samples each, summed up in the film. The
+// including file defines `PathSample traceSample(SampleKey key, vec3 origin, vec3 direction)`.
+#ifndef SAMPLE_LOOP_GLSL
+#define SAMPLE_LOOP_GLSL
+
+PathSample renderSample(uvec2 pixel, SampleKey key) {
+    vec2 u = unitFloat(randomBits(key, DIMENSION_PIXEL).xy);
+    vec3 origin, direction;
+    cameraRay(key, vec2(pixel) + filterSample(u), origin, direction);
+    return traceSample(key, origin, direction);
+}
+
+void main() {
+    uvec2 inTile = gl_GlobalInvocationID.xy;
+    uvec4 tile = tiles[gl_WorkGroupID.z];
+    if (any(greaterThanEqual(inTile, tile.zw))) return;
+    uvec2 pixel = tile.xy + inTile;
+    uint at = gl_WorkGroupID.z * pass.tileSize * pass.tileSize + inTile.y * pass.tileSize + inTile.x;
+
+    FilmPixel result = emptyPixel();
+    if (pass.continued != 0u) result = loadPixel(at);
+    SampleKey key;
+    key.pixel = pixel.x | pixel.y << 16u;
+    key.stream = streamKey(parameters.image.z, parameters.image.w);
+    uint dropped = 0u;
+    for (uint i = 0u; i < pass.sampleCount; i++) {
+        key.index = pass.firstSample + i * pass.sampleStride;
+        PathSample s = renderSample(pixel, key);
+        // A sample that is not finite leaves with its weight and is counted, never hidden.
+        if (isFinite(s.radiance)) {
+            addSample(result, s);
+        } else {
+            dropped++;
+            uint record = atomicAdd(counters[COUNTER_RECORDED], 1u);
+            if (record < RECORDED_SAMPLES) {
+                counters[COUNTER_FIRST_DROPPED + 2u * record] = key.pixel;
+                counters[COUNTER_FIRST_DROPPED + 2u * record + 1u] = key.index;
+            }
+        }
+    }
+    storePixel(at, result);
+    atomicAdd(counters[COUNTER_RAYS], rayCount);
+    if (dropped != 0u) atomicAdd(counters[COUNTER_DROPPED_SAMPLES], dropped);
+    uint ofTile = COUNTER_COUNT + gl_WorkGroupID.z * TILE_COUNTERS;
+    if (rejectedCount != 0u) atomicAdd(counters[ofTile + TILE_REJECTED], rejectedCount);
+    if (truncatedCount != 0u) atomicAdd(counters[ofTile + TILE_TRUNCATED], truncatedCount);
+}
+
+#endif
