@@ -21,6 +21,7 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.delta = true;
     path.from = path.side = vec3(0);
     path.channel = 3u;
+    path.bounce = 0u;
     return path;
 }
 
@@ -35,33 +36,32 @@ void recordStep(uint step, vec3 position, float t, PathState path, uint primitiv
 PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
     PathSample result = PathSample(vec3(0), vec3(0), vec3(0), 0.0, 0.0);
     PathState path = startPath(origin, direction);
-    uint bounce = 0u;
-    for (;; bounce++) {
+    for (;; path.bounce++) {
         Hit hit;
-        path.ray.key = cutoutKey(key, bounce);
+        path.ray.key = cutoutKey(key, path.bounce);
         rayCount++;
         if (!closestHit(path.ray, hit)) {
-            addEnvironment(path, bounce);
-            if (has(FEATURE_TRACE)) recordStep(bounce, path.ray.direction, INFINITY, path, NO_INDEX);
+            addEnvironment(path);
+            if (has(FEATURE_TRACE)) recordStep(path.bounce, path.ray.direction, INFINITY, path, NO_INDEX);
             break;
         }
         if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);
         vec3 worldWo = -path.ray.direction;
         Surface s = surfaceAt(hit, path.ray);
         MaterialPoint m = materialAt(s);
-        if (bounce == 0u) {
+        if (path.bounce == 0u) {
             result.albedo = m.baseColor;
             result.normal = s.frame[2];
             result.depth = hit.t;
             result.alpha = 1.0;
         }
         if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) {
-            path.radiance += path.throughput * m.baseColor;
+            gather(path, m.baseColor, path.bounce);
             break;
         }
         addEmission(path, s, m, hit.t);
-        if (has(FEATURE_TRACE)) recordStep(bounce, s.position, hit.t, path, s.primitive);
-        if (bounce >= parameters.path.x) {
+        if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, hit.t, path, s.primitive);
+        if (path.bounce >= parameters.path.x) {
             truncatedCount++;
             break;
         }
@@ -70,16 +70,17 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (wo.z <= 0.0) break;
         if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
         Bsdf bsdf = bsdfAt(m, wo, s.frontFace);
-        if (hasLights()) path.radiance += path.throughput * directLight(key, bounce, s, bsdf, wo, mediaAt(path.absorption, s, m, bsdf));
+        if (hasLights())
+            gather(path, directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.absorption, s, m, bsdf)), path.bounce + 1u);
 
-        uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_BSDF));
+        uvec4 bits = randomBits(key, bounceDimension(path.bounce, DIMENSION_BSDF));
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
         if (!scatter(path, s, bsdf, m, wo, u)) break;
-        if (bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
+        if (path.bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
     }
     if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)
         path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
-    if (has(FEATURE_TRACE)) recordStep(bounce + 1u, path.ray.origin, -1.0, path, NO_INDEX);
+    if (has(FEATURE_TRACE)) recordStep(path.bounce + 1u, path.ray.origin, -1.0, path, NO_INDEX);
     result.radiance = path.radiance;
     return result;
 }

@@ -20,18 +20,18 @@ void addSuns(inout PathState path) {
         if (!sunCovers(towards, h, path.ray.direction)) continue;
         float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), path.from, path.side);
         vec3 radiance = vec3(lightTexel(light, 1u).w, lightTexel(light, 2u).w, lightTexel(light, 3u).w);
-        path.radiance += path.throughput * radiance * emissionWeight(path, pmf * sunPdf(h));
+        gather(path, radiance * emissionWeight(path, pmf * sunPdf(h)), path.bounce);
     }
 }
 
 // What a ray that leaves the scene meets.
-void addEnvironment(inout PathState path, uint bounce) {
-    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && bounce == 0u) return;
+void addEnvironment(inout PathState path) {
+    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && path.bounce == 0u) return;
     addSuns(path);
     if (!has(FEATURE_ENVIRONMENT)) return;
     vec4 environment = environmentAlong(path.ray.direction);
     float weight = path.delta ? 1.0 : emissionWeight(path, environment.a * environmentPmf(path.from, path.side));
-    path.radiance += path.throughput * environment.rgb * weight;
+    gather(path, environment.rgb * weight, path.bounce);
 }
 
 void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
@@ -39,7 +39,7 @@ void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
     if (!emitsTowards(m.flags, s.frontFace)) return;
     float cosine = abs(dot(s.geometricNormal, path.ray.direction));
     float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine));
-    path.radiance += path.throughput * m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine));
+    gather(path, m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine)), path.bounce);
 }
 
 #endif

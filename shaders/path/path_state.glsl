@@ -13,6 +13,10 @@ struct PathState {
     vec3 from;          // where the path scattered last, and lightSide there: what light sampling went by
     vec3 side;
     uint channel;       // the only one left after dispersion; 3: all
+    uint bounce;        // how many times it has scattered
 };
+
+// Every light that reaches the camera comes by here. `scatterings`: how often it did between light and camera.
+void gather(inout PathState path, vec3 light, uint scatterings) { path.radiance += path.throughput * light; }
 
 #endif
