@@ -8,6 +8,7 @@
 #include "shared/job/json_reader.h"
 #include "shared/job/lease.h"
 #include "shared/job/lighting_fields.h"
+#include "shared/job/output_fields.h"
 #include "shared/job/viewing_fields.h"
 
 namespace tilefarm {
@@ -105,6 +106,7 @@ void describe(Visitor& v, Is<JobSpec> auto& job) {
            job.variant, {0, 1024});
     v.object({"view", "a camera that the job places, and the lens of any"}, job.view);
     v.object({"motion", "time, animation, turntable and motion blur"}, job.motion);
+    v.object({"output", "what the EXR holds beyond the picture; none of it changes the picture"}, job.output);
     v.object({"stop", "when the picture is done"}, job.stop);
     v.integer({"priority", "higher goes first"}, job.priority, {0, 100});
 }

@@ -7,6 +7,7 @@
 
 #include "shared/job/appearance.h"
 #include "shared/job/lighting.h"
+#include "shared/job/output.h"
 #include "shared/job/viewing.h"
 
 namespace tilefarm {
@@ -84,6 +85,7 @@ struct JobSpec {
     std::string variant;  // of KHR_materials_variants; empty: the file's default materials
     ViewSettings view;
     MotionSettings motion;
+    OutputSettings output;
     StopCondition stop;
     int32_t priority = 50;  // 0 … 100, higher first
     friend bool operator==(const JobSpec&, const JobSpec&) = default;

@@ -123,6 +123,7 @@ public:
     void object(Member, EnvironmentSettings& value) { within("environment-", value); }
     void object(Member, SkySettings& value) { within("sky-", value); }
     void object(Member, ViewSettings& value) { within("view-", value); }
+    void object(Member, OutputSettings& value) { within("output-", value); }
     // The command line says these its own way.
     void object(Member, SceneBundle&) {}
     void object(Member, FrameRange&) {}

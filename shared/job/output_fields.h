@@ -1,0 +1,21 @@
+#pragma once
+
+// Part of the table in fields.h: what a frame holds beyond its picture.
+
+#include "shared/job/lighting_fields.h"
+#include "shared/job/output.h"
+
+namespace tilefarm {
+
+template <typename Visitor>
+void describe(Visitor& v, Is<OutputSettings> auto& output) {
+    v.flag({"lightPaths",
+            "channels of light by its first scattering: emission, and diffuse, specular and transmission, "
+            "each direct and indirect; they add up to the picture"},
+           output.lightPaths);
+    v.flag({"uv", "a channel of the first surface's texture coordinates"}, output.uv);
+    v.flag({"cryptomatte", "ids of objects and materials with their coverage (Cryptomatte 1.2)"},
+           output.cryptomatte);
+}
+
+}  // namespace tilefarm
