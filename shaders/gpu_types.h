@@ -176,6 +176,14 @@ GPU_CONSTANT LIGHT_TREE_INFINITE = 1u << 1;    // lights of no place: environmen
 GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets less than LIGHT_TREE_LEAST
 #define LIGHT_TREE_LEAST 0.2
 
+// FrameParameters::integrator.y
+GPU_CONSTANT VIEW_ALBEDO = 0;
+GPU_CONSTANT VIEW_NORMAL = 1;            // shading normal on the camera's side; -1 … 1 as 0 … 1
+GPU_CONSTANT VIEW_GEOMETRIC_NORMAL = 2;  // likewise
+GPU_CONSTANT VIEW_DEPTH = 3;             // m along the camera ray
+GPU_CONSTANT VIEW_UV = 4;                // of the first set, fractions
+GPU_CONSTANT VIEW_MATERIAL = 5;          // a colour for each
+
 // FrameParameters::filtering.x
 GPU_CONSTANT FILTER_PIXEL = 0;  // the box of one pixel
 GPU_CONSTANT FILTER_BOX = 1;
@@ -230,6 +238,8 @@ struct FrameParameters {
     uvec4 sampling;       // x: SAMPLER_*, y: strata per side, z: camera keys, 0 for a still one
     vec4 shutter;         // part of the shutter's time that this scene stands for: x: begin, y: length, of 1
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
+    vec4 irradiance[9];   // of the environment, integrators/ambient.glsl
+    vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -242,7 +252,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 192 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 352 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 20);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material

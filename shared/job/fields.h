@@ -52,6 +52,13 @@ inline constexpr std::array kDirectLightChoices{
 template <typename Visitor>
 void describe(Visitor& v, Is<RenderSettings> auto& settings) {
     v.integer({"seed", "of the random numbers"}, settings.seed, kAnyUint32);
+    v.choice(
+        {"integrator",
+         "path: all light, unbiased; whitted: mirrors, refraction and hard shadows; ambient-occlusion; or "
+         "a view of the first surface: albedo, normal, geometric-normal, depth, uv, material"},
+        settings.integrator, kIntegratorChoices);
+    v.number({"aoDistance", "m that ambient-occlusion reaches; 0: half the diagonal of the scene's box"},
+             settings.aoDistance, {0, 1e9});
     v.integer({"maxBounces", "surface scatterings after the camera ray; 0 shows emission only"},
               settings.maxBounces, {0, 1024});
     v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},

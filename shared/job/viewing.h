@@ -42,6 +42,19 @@ struct MotionSettings {
     friend bool operator==(const MotionSettings&, const MotionSettings&) = default;
 };
 
+/// How a camera ray becomes a colour. All but `path` are biased; the views show what the first surface is.
+enum class Integrator : uint8_t {
+    path,
+    whitted,           // mirrors and refraction, Phong shading, hard shadows of lights in their middle
+    ambientOcclusion,  // share of the hemisphere that nothing hides within aoDistance
+    albedo,
+    normal,
+    geometricNormal,
+    depth,
+    uv,
+    material,
+};
+
 /// How samples are spread over a pixel; each keeps the mean of the picture that its filter defines.
 enum class PixelFilter : uint8_t { box, tent, gaussian, blackmanHarris };
 

@@ -13,6 +13,17 @@ inline constexpr std::array kViewChoices{
     Choice<ViewKind>{"orthographic", ViewKind::orthographic},
     Choice<ViewKind>{"panorama", ViewKind::panorama},
 };
+inline constexpr std::array kIntegratorChoices{
+    Choice<Integrator>{"path", Integrator::path},
+    Choice<Integrator>{"whitted", Integrator::whitted},
+    Choice<Integrator>{"ambient-occlusion", Integrator::ambientOcclusion},
+    Choice<Integrator>{"albedo", Integrator::albedo},
+    Choice<Integrator>{"normal", Integrator::normal},
+    Choice<Integrator>{"geometric-normal", Integrator::geometricNormal},
+    Choice<Integrator>{"depth", Integrator::depth},
+    Choice<Integrator>{"uv", Integrator::uv},
+    Choice<Integrator>{"material", Integrator::material},
+};
 inline constexpr std::array kPixelFilterChoices{
     Choice<PixelFilter>{"box", PixelFilter::box},
     Choice<PixelFilter>{"tent", PixelFilter::tent},

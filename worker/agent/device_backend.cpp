@@ -21,6 +21,12 @@ SceneCounts countsOf(const Scene& scene) {
     return counts;
 }
 
+// What the integrator leaves out of what the scene calls for.
+void addWarnings(const FeatureReport& features, std::vector<SceneWarning>& warnings) {
+    for (const std::string& effect : features.notShown)
+        warnings.push_back({effect, "settings.integrator", "this integrator renders without it"});
+}
+
 class DeviceBackend : public RenderBackend {
 public:
     DeviceBackend(uint32_t index, gpu::DeviceOptions options, uint64_t alsoCompiled)
@@ -50,6 +56,7 @@ public:
         prepared.counts.degenerateTriangles += renderer_->degenerateTriangles();
         prepared.warnings = scene.warnings;
         prepared.features = renderer_->features();
+        addWarnings(prepared.features, prepared.warnings);
         prepared.loadSeconds = loading.count();
         prepared.times = renderer_->prepareTimes();
         timeline_->release();

@@ -68,10 +68,13 @@ std::string_view featureName(uint32_t bit) {
     return kNames.at(bit);
 }
 
-FeatureReport reportFeatures(uint64_t features) {
+FeatureReport reportFeatures(uint64_t compiled, uint64_t wanted) {
     FeatureReport report;
     for (uint32_t bit = 0; bit < gpu::FEATURE_COUNT; ++bit)
-        ((features >> bit & 1u) != 0 ? report.used : report.leftOut).emplace_back(featureName(bit));
+        ((compiled >> bit & 1u) != 0 ? report.used
+         : (wanted >> bit & 1u) != 0 ? report.notShown
+                                     : report.leftOut)
+            .emplace_back(featureName(bit));
     return report;
 }
 

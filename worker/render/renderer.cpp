@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cstring>
 
-#include "path_trace.comp.h"
 #include "shared/error/error.h"
 #include "worker/render/camera_parameters.h"
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
+#include "worker/render/integrators.h"
 #include "worker/render/sample_parameters.h"
 #include "worker/vk/commands.h"
 
@@ -31,9 +31,9 @@ struct KernelShape {
     friend bool operator==(const KernelShape&, const KernelShape&) = default;
 };
 
-gpu::PipelineSpec pipelineSpec(const KernelShape& shape) {
+gpu::PipelineSpec pipelineSpec(const IntegratorKernel& kernel, const KernelShape& shape) {
     gpu::PipelineSpec spec;
-    spec.spirv = path_trace_comp;
+    spec.spirv = kernel.spirv;
     spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
     spec.constants.resize(gpu::SPEC_COUNT);
@@ -42,7 +42,7 @@ gpu::PipelineSpec pipelineSpec(const KernelShape& shape) {
     spec.constants[gpu::SPEC_VERTEX_TEXELS] = shape.vertexTexels;
     spec.constants[gpu::SPEC_STACK_SIZE] = shape.stackSize;
     spec.pushConstantBytes = sizeof(gpu::PassConstants);
-    spec.name = "path_trace";
+    spec.name = kernel.name;
     return spec;
 }
 
@@ -51,6 +51,7 @@ struct Moment {
     GpuScene scene;
     glm::dvec3 centre;
     uint64_t degenerateTriangles = 0;
+    double extent = 0;  // diagonal of its box, m
     gpu::FrameParameters parameters{};
     gpu::StorageBuffer parameterBuffer;
     std::vector<gpu::Binding> bindings;
@@ -70,6 +71,8 @@ struct Renderer::Impl {
     const gpu::Device& device;
     const ImageSpec image;
     const RenderSettings settings;
+    const IntegratorKernel kernel;
+    const IntegratorParameters integrator;
     TileGrid grid;
     PrepareTimes times;
     FeatureReport features;
@@ -93,7 +96,7 @@ private:
                                    const gpu::PassConstants& constants);
     void countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
                      std::span<PassFaults> faults);
-    bool traces() const { return (wanted & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
+    bool traces() const { return (wanted & kernel.shows & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
     uint64_t filmBytes() const;
     PassFilm cropped(uint32_t tile, SampleRange samples, const std::byte* film) const;
     uint64_t tilePixels() const { return uint64_t{image.tileSize} * image.tileSize; }
@@ -104,8 +107,10 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
     : device(on),
       image(size),
       settings(how),
+      kernel(kernelOf(how.integrator)),
+      integrator(how, source.environment),
       grid(size),
-      wanted(samplingFeatures(how) | alsoCompiled),
+      wanted(samplingFeatures(how) | kernel.calls | alsoCompiled),
       camera(path),
       tilesPerBatch(traces() ? 1
                              : static_cast<uint32_t>(
@@ -122,6 +127,7 @@ Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, con
     Moment moment{makeGpuScene(device, scene, world, settings, alsoCompiled, times, like),
                   world.centre,
                   world.degenerateTriangles,
+                  extentOf(world),
                   {},
                   gpu::StorageBuffer(device, sizeof(gpu::FrameParameters), "frame parameters"),
                   {}};
@@ -157,15 +163,15 @@ void Renderer::Impl::setCamera(const CameraPath& path) {
 
 void Renderer::Impl::compileIfNeeded() {
     setParameters(0);
-    KernelShape shape{wanted | featuresOf(camera), moments.front().scene.vertexTexels, compiled.stackSize};
+    wanted |= featuresOf(camera);
+    KernelShape shape{wanted & kernel.shows, moments.front().scene.vertexTexels, compiled.stackSize};
     for (const Moment& moment : moments) shape.stackSize = std::max(shape.stackSize, moment.scene.stackSize);
     if (pipeline && shape == compiled) return;
     // Drivers compile on first use: an empty dispatch keeps that out of the first pass's time.
     const auto start = std::chrono::steady_clock::now();
     compiled = shape;
-    wanted = shape.features;
-    features = reportFeatures(compiled.features);
-    pipeline.emplace(device, pipelineSpec(compiled));
+    features = reportFeatures(compiled.features, wanted & ~kernel.indifferent);
+    pipeline.emplace(device, pipelineSpec(kernel, compiled));
     const std::vector<gpu::uvec4> none(tilesPerBatch);
     tileBuffer.upload(gpu::bytesOf(none));
     const RenderStats before = stats;
@@ -187,6 +193,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
+        integrator.set(p, moment.extent);
         const double share = 1.0 / static_cast<double>(moments.size());
         p.shutter = {static_cast<double>(i) * share, share, 0, 0};
         moment.parameterBuffer.upload(gpu::bytesOfValue(p));

@@ -19,8 +19,9 @@ namespace tilefarm {
 
 /// Why a pass or scene could be rendered the way it was; for reports.
 struct FeatureReport {
-    std::vector<std::string> used;     // effects that the kernel holds
-    std::vector<std::string> leftOut;  // effects that the scene does not call for
+    std::vector<std::string> used;      // effects that the kernel holds
+    std::vector<std::string> leftOut;   // effects that the scene does not call for
+    std::vector<std::string> notShown;  // effects that it calls for and the integrator does not know
 };
 
 struct RenderStats {

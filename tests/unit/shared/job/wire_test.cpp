@@ -56,6 +56,8 @@ TEST(JobFromJson, TakesBackWhatToJsonWrites) {
     spec.settings.maxBounces = 0;
     spec.settings.rouletteStart = 1024;
     spec.settings.lightSelection = LightSelection::tree;
+    spec.settings.integrator = Integrator::whitted;
+    spec.settings.aoDistance = 2.5;
     spec.settings.directLight = DirectLight::bsdf;
     spec.settings.microfacets = Microfacets::phong;
     spec.settings.fresnel = Fresnel::schlick;

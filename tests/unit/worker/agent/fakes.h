@@ -178,7 +178,7 @@ struct FakeBackend : RenderBackend {
         PreparedScene scene;
         scene.counts.triangles = 12;
         scene.warnings = {{"KHR_x", "materials/0", "left out"}};
-        scene.features = {{"diffuse"}, {"glass"}};
+        scene.features = {{"diffuse"}, {"glass"}, {}};
         return scene;
     }
     std::vector<PassFilm> render(int32_t, std::span<const uint32_t> tiles, SampleRange samples) override {

@@ -1,0 +1,108 @@
+#version 460
+// Whitted 1980: mirror and refraction rays branch at every surface, lights are points with hard shadows, shading is
+// Phong's. No light from surface to surface but by mirrors; the environment lights matte surfaces unhidden. Free of
+// noise, and wrong in ways that everybody knows.
+#extension GL_GOOGLE_include_directive : require
+
+#include "kernel.glsl"
+#include "integrators/ambient.glsl"
+#include "integrators/centre_light.glsl"
+#include "integrators/first_surface.glsl"
+#include "integrators/phong.glsl"
+
+// Rays that wait, at most, and rays of one sample. A ray that would carry less than the least weight is not followed.
+const uint kMostWaiting = 24u;
+const uint kMostRays = 1024u;
+const float kLeastWeight = 1.0 / 4096.0;
+
+struct Branch {
+    Ray ray;
+    vec3 weight;
+    vec3 absorption;  // of the medium the ray is in
+    uint depth;
+};
+
+Branch waiting[kMostWaiting];
+uint waitingCount;
+bool truncated;
+
+void follow(Branch branch) {
+    if (maxComponent(branch.weight) < kLeastWeight) return;
+    if (branch.depth > parameters.path.x || waitingCount == kMostWaiting)
+        truncated = true;
+    else
+        waiting[waitingCount++] = branch;
+}
+
+// Light that lights and environment send from the surface towards wo, but for mirror images.
+vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
+    vec3 sum = environmentIrradiance(s.frame[2]) * (p.diffuse + (1.0 - p.gloss) * p.reflected) * INV_PI;
+    for (uint i = 0u; i < centreLightCount(); i++) {
+        LightSample l;
+        bool extended;
+        if (!centreLight(i, key, s, l, extended) || dot(l.wi, s.geometricNormal) <= 0.0) continue;
+        // What a mirror ray can meet has no need of a highlight.
+        vec3 light = phongEval(p, wo, l.wi * s.frame, extended ? 1.0 - p.gloss : 1.0) * l.radiance;
+        if (maxComponent(light) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, depth))) sum += light;
+    }
+    return sum;
+}
+
+Branch startingAt(Surface s, vec3 direction, Branch from, vec3 weight) {
+    Branch next = from;
+    next.ray = Ray(offsetOrigin(s.position, s.positionError, s.geometricNormal, direction), 0.0, direction, INFINITY,
+                   s.primitive, 0u);
+    next.weight = from.weight * weight;
+    next.depth++;
+    return next;
+}
+
+void branchOut(Branch from, Surface s, MaterialPoint m, PhongPoint p) {
+    vec3 n = s.frame[2];
+    if (has(FEATURE_TRANSMISSION) && maxComponent(p.through) > 0.0) {
+        vec3 direction = p.eta == 1.0 ? from.ray.direction : refract(from.ray.direction, n, 1.0 / p.eta);
+        if (dot(direction, s.geometricNormal) < 0.0) {
+            Branch beyond = startingAt(s, normalize(direction), from, p.through);
+            if (has(FEATURE_ATTENUATION) && (m.flags & MATERIAL_THIN) == 0u)
+                beyond.absorption = s.frontFace ? m.absorption : vec3(0);
+            follow(beyond);
+        }
+    }
+    vec3 mirrored = reflect(from.ray.direction, n);
+    if (dot(mirrored, s.geometricNormal) > 0.0) follow(startingAt(s, mirrored, from, p.reflected * p.gloss));
+}
+
+// Light that arrives along a branch; the branches that it calls for wait.
+vec3 lightAlong(SampleKey key, Branch branch, inout PathSample result) {
+    Hit hit;
+    branch.ray.key = cutoutKey(key, branch.depth);
+    rayCount++;
+    if (!closestHit(branch.ray, hit)) return branch.weight * radianceFromOutside(branch.ray.direction, branch.depth == 0u);
+    if (has(FEATURE_ATTENUATION)) branch.weight *= exp(-branch.absorption * hit.t);
+    Surface s = surfaceAt(hit, branch.ray);
+    MaterialPoint m = materialAt(s);
+    if (branch.depth == 0u) result = seenAs(vec3(0), s, m, hit.t);
+    if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) return branch.weight * m.baseColor;
+    vec3 light = vec3(0);
+    if ((m.flags & MATERIAL_EMISSIVE) != 0u && emitsTowards(m.flags, s.frontFace)) light += m.emission;
+    vec3 wo = -branch.ray.direction * s.frame;
+    PhongPoint p = phongAt(m, s.frontFace, max(wo.z, 0.0));
+    if (branch.depth < parameters.path.x) light += shaded(key, branch.depth, s, p, wo);
+    branchOut(branch, s, m, p);
+    return branch.weight * light;
+}
+
+PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
+    PathSample result = nothingSeen();
+    vec3 radiance = vec3(0);
+    truncated = false;
+    waitingCount = 0u;
+    follow(Branch(Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, 0u), vec3(1), vec3(0), 0u));
+    for (uint rays = 0u; waitingCount > 0u && rays < kMostRays; rays++)
+        radiance += lightAlong(key, waiting[--waitingCount], result);
+    if (truncated || waitingCount > 0u) truncatedCount++;
+    result.radiance = radiance;
+    return result;
+}
+
+#include "sample_loop.glsl"
