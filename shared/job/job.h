@@ -51,10 +51,10 @@ enum class DirectLight : uint8_t {
 /// What decides a sample's value, beside scene, frame, pixel and sample index.
 struct RenderSettings {
     uint32_t seed = 0;
-    Integrator integrator = Integrator::path;
-    double aoDistance = 0;       // m that ambient occlusion reaches; 0: half the diagonal of the scene's box
     uint32_t maxBounces = 8;     // surface scatterings after the camera ray; 0: emission only
     uint32_t rouletteStart = 4;  // bounces before Russian roulette; unbiased at any value
+    Integrator integrator = Integrator::path;
+    double aoDistance = 0;  // m that ambient occlusion reaches; 0: half the diagonal of the scene's box
     LightSelection lightSelection = LightSelection::power;
     DirectLight directLight = DirectLight::mis;
     Microfacets microfacets = Microfacets::ggx;  // of materials that do not say theirs

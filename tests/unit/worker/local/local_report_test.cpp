@@ -14,7 +14,7 @@ struct LocalReportTest : testing::Test {
             "a.gltf", {{"a.gltf", std::string(64, 'a')}, {"sky.hdr", std::string(64, 'b')}}, "sky.hdr"};
         scene.counts = {12, 3, 1, 2, 4, 5};
         scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
-        scene.features = {{"environment"}, {"textures"}};
+        scene.features = {{"environment"}, {"textures"}, {}};
         scene.loadSeconds = 0.5;
         frame.stats = {2.0, 1000, 4000, 7, {3, 250, {{5, 6, 11}}}};
         spec.settings.seed = 9;
