@@ -91,7 +91,8 @@ GPU_CONSTANT FEATURE_CAMERA_MOTION = 46;        // the camera moves while the sh
 GPU_CONSTANT FEATURE_PIXEL_FILTER = 47;         // any but the box of one pixel
 GPU_CONSTANT FEATURE_SOBOL_SAMPLER = 48;        // Owen-scrambled Sobol points
 GPU_CONSTANT FEATURE_STRATIFIED_SAMPLER = 49;   // jittered grids
-GPU_CONSTANT FEATURE_COUNT = 50;
+GPU_CONSTANT FEATURE_FOG = 50;                  // a medium outside of solids that absorbs and scatters
+GPU_CONSTANT FEATURE_COUNT = 51;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -240,6 +241,10 @@ struct FrameParameters {
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
     vec4 irradiance[9];   // of the environment, integrators/ambient.glsl
     vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*
+    vec4 fogLower;        // xyz: of the box that it fills; w: anisotropy g
+    vec4 fogUpper;        // xyz: likewise; w: 1 if there is fog
+    vec4 fogScattering;   // rgb, 1/m
+    vec4 fogAbsorption;   // rgb, 1/m
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -252,7 +257,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 352 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 416 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 20);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material

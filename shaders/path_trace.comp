@@ -1,7 +1,8 @@
 #version 460
 // The path tracer: one invocation per pixel, several samples per dispatch. Paths start at the camera;
-// at each surface lights are sampled (next event estimation) and the BSDF is sampled, both weighted
-// by the power heuristic unless the settings leave one of them out. Without bias but for the bounce limit that the job sets.
+// at each surface and wherever fog scatters them lights are sampled (next event estimation) and the BSDF or the phase
+// function is sampled, both weighted by the power heuristic unless the settings leave one of them out. Without bias but
+// for the bounce limit that the job sets.
 #extension GL_GOOGLE_include_directive : require
 
 #include "kernel.glsl"
@@ -15,7 +16,7 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.ray = Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, 0u);
     path.throughput = vec3(1);
     path.radiance = vec3(0);
-    path.absorption = vec3(0);
+    path.medium = outside();
     path.pdf = 0.0;
     path.etaScale = 1.0;
     path.delta = true;
@@ -40,42 +41,61 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         Hit hit;
         path.ray.key = cutoutKey(key, path.bounce);
         rayCount++;
-        if (!closestHit(path.ray, hit)) {
+        FogFlight flight;
+        if (has(FEATURE_FOG)) {
+            flight = fogFlight(path.throughput, path.medium, path.ray, key, path.bounce);
+            // The camera's ray goes on to the first surface, for the channels that show that.
+            path.ray.tMax = path.bounce > 0u ? flight.reach : INFINITY;
+        }
+        bool found = closestHit(path.ray, hit);
+        bool inFog = has(FEATURE_FOG) && passFog(path.throughput, flight, found ? hit.t : INFINITY);
+        if (!found && !inFog) {
             addEnvironment(path);
             if (has(FEATURE_TRACE)) recordStep(path.bounce, path.ray.direction, INFINITY, path, NO_INDEX);
             break;
         }
-        if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.absorption * hit.t);
         vec3 worldWo = -path.ray.direction;
-        Surface s = surfaceAt(hit, path.ray);
-        MaterialPoint m = materialAt(s);
-        if (path.bounce == 0u) {
-            result.albedo = m.baseColor;
-            result.normal = s.frame[2];
-            result.depth = hit.t;
-            result.alpha = 1.0;
+        Surface s;
+        MaterialPoint m;
+        if (found) {
+            s = surfaceAt(hit, path.ray);
+            m = materialAt(s);
+            if (path.bounce == 0u) {
+                result.albedo = m.baseColor;
+                result.normal = s.frame[2];
+                result.depth = hit.t;
+                result.alpha = 1.0;
+            }
         }
-        if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) {
-            gather(path, m.baseColor, path.bounce);
-            break;
+        if (inFog) {
+            s = fogPoint(path.ray.origin + flight.reach * path.ray.direction);
+        } else {
+            if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.medium.absorption * hit.t);
+            if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) {
+                gather(path, m.baseColor, path.bounce);
+                break;
+            }
+            addEmission(path, s, m, hit.t);
         }
-        addEmission(path, s, m, hit.t);
-        if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, hit.t, path, s.primitive);
+        if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, inFog ? flight.reach : hit.t, path, s.primitive);
         if (path.bounce >= parameters.path.x) {
             truncatedCount++;
             break;
         }
 
         vec3 wo = worldWo * s.frame;
-        if (wo.z <= 0.0) break;
-        if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
-        Bsdf bsdf = bsdfAt(m, wo, s.frontFace);
+        Bsdf bsdf;
+        if (!inFog) {
+            if (wo.z <= 0.0) break;
+            if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
+            bsdf = bsdfAt(m, wo, s.frontFace);
+        }
         if (hasLights())
-            gather(path, directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.absorption, s, m, bsdf)), path.bounce + 1u);
+            gather(path, directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.medium, s, m, bsdf)), path.bounce + 1u);
 
-        uvec4 bits = randomBits(key, bounceDimension(path.bounce, DIMENSION_BSDF));
+        uvec4 bits = randomBits(key, bounceDimension(path.bounce, inFog ? DIMENSION_PHASE : DIMENSION_BSDF));
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
-        if (!scatter(path, s, bsdf, m, wo, u)) break;
+        if (!(inFog ? scatterInFog(path, s.position, u) : scatter(path, s, bsdf, m, wo, u))) break;
         if (path.bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
     }
     if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)

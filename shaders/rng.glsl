@@ -16,6 +16,8 @@ const uint DIMENSION_BSDF = 0u;         // lobe, direction (2), Russian roulette
 const uint DIMENSION_LIGHT = 1u;        // alias index, alias threshold, point (2)
 const uint DIMENSION_ENVIRONMENT = 2u;  // alias index, alias threshold, offset in the texel (2)
 const uint DIMENSION_CUTOUT = 3u;       // the key of cut-outs, hashed with the primitive
+const uint DIMENSION_FOG = 4u;          // length of the free flight (2), the channel that draws it
+const uint DIMENSION_PHASE = 5u;        // direction (2), -, Russian roulette
 const uint DIMENSIONS_PER_BOUNCE = 8u;
 
 struct SampleKey {

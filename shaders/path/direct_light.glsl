@@ -1,35 +1,58 @@
-// Next event estimation: light that arrives at a surface straight from the lights.
+// Next event estimation: light that arrives at a surface, or at a point in fog, straight from the lights.
 #ifndef DIRECT_LIGHT_GLSL
 #define DIRECT_LIGHT_GLSL
 
+#include "medium.glsl"
+
 // The side on which a surface sees lights, for lightPmf; zero for both.
 vec3 lightSide(Surface s, Bsdf bsdf) {
+    if (isFogPoint(s)) return vec3(0);
     bool through = transmits(bsdf.face) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
     return through ? vec3(0) : s.geometricNormal;
 }
 
-// Absorption on either side of a surface: on wo's, and behind it.
+// What is on either side of a surface: on wo's, and behind it.
 struct Media {
-    vec3 near, far;
+    Medium near, far;
 };
 
-Media mediaAt(vec3 near, Surface s, MaterialPoint m, Bsdf bsdf) {
-    return Media(near, bsdf.face.thin ? near : s.frontFace ? m.absorption : vec3(0));
+Medium mediumBehind(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
+    if (bsdf.face.thin) return near;
+    return s.frontFace ? Medium(m.absorption, true) : outside();
+}
+
+Media mediaAt(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
+    return Media(near, isFogPoint(s) ? near : mediumBehind(near, s, m, bsdf));
+}
+
+// What is left of a light's sample behind the medium that it comes through.
+vec3 shadowTransmittance(LightSample l, Medium medium) {
+    vec3 left = vec3(1);
+    if (has(FEATURE_ATTENUATION) && !l.infinite) left *= exp(-medium.absorption * distance(l.origin, l.target));
+    if (hasFog(medium)) left *= fogTransmittance(l.origin, l.wi, l.infinite ? INFINITY : distance(l.origin, l.target));
+    return left;
+}
+
+// BSDF times cosine towards wi in the shading frame, or the phase function.
+vec3 scattered(Surface s, Bsdf bsdf, vec3 wo, vec3 wi, out float pdf) {
+    if (!isFogPoint(s)) return bsdfEval(bsdf, wo, wi, pdf);
+    pdf = phasePdf(fogAnisotropy(), -wo, wi);
+    return vec3(pdf);
 }
 
 // What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
 vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
-    if (dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
+    if (!isFogPoint(s) && dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
     if (has(FEATURE_BSDF_SAMPLING_ONLY) && l.pdf > 0.0) return vec3(0);
     float pdf;
-    vec3 f = bsdfEval(bsdf, wo, wi, pdf);
+    vec3 f = scattered(s, bsdf, wo, wi, pdf);
     if (!(maxComponent(f) > 0.0)) return vec3(0);
     float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
-    if (has(FEATURE_ATTENUATION) && !l.infinite)
-        contribution *= exp(-(wi.z > 0.0 ? media.near : media.far) * distance(l.origin, l.target));
+    if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG))
+        contribution *= shadowTransmittance(l, wi.z > 0.0 || isFogPoint(s) ? media.near : media.far);
     return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
 }
 

@@ -2,11 +2,13 @@
 #ifndef PATH_STATE_GLSL
 #define PATH_STATE_GLSL
 
+#include "medium.glsl"
+
 struct PathState {
     Ray ray;
     vec3 throughput;
     vec3 radiance;
-    vec3 absorption;    // of the medium the ray is in
+    Medium medium;      // that the ray is in
     float pdf;          // of the ray's direction; what lights weigh against
     float etaScale;     // squared refraction compressions so far, kept out of Russian roulette
     bool delta;         // no light sampling could have found this direction

@@ -30,11 +30,22 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.side = lightSide(s, bsdf);
     if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.face.thin) {
         if (transmits(bsdf.face)) path.etaScale *= bsdf.face.eta * bsdf.face.eta;
-        if (has(FEATURE_ATTENUATION)) path.absorption = mediaAt(path.absorption, s, m, bsdf).far;
+        path.medium = mediumBehind(path.medium, s, m, bsdf);
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
     path.ray.direction = direction;
     path.ray.skipPrimitive = s.primitive;
+    return maxComponent(path.throughput) > 0.0;
+}
+
+// Scatters the path at a point in fog. False: the path ends.
+bool scatterInFog(inout PathState path, vec3 position, vec4 u) {
+    path.ray.direction = phaseSample(fogAnisotropy(), path.ray.direction, u.xy, path.pdf);
+    path.ray.origin = position;
+    path.ray.skipPrimitive = kNoPrimitive;
+    path.delta = false;
+    path.from = position;
+    path.side = vec3(0);
     return maxComponent(path.throughput) > 0.0;
 }
 

@@ -8,6 +8,7 @@
 #include "shared/job/json_reader.h"
 #include "shared/job/lease.h"
 #include "shared/job/lighting_fields.h"
+#include "shared/job/medium_fields.h"
 #include "shared/job/output_fields.h"
 #include "shared/job/viewing_fields.h"
 
@@ -59,7 +60,7 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
         settings.integrator, kIntegratorChoices);
     v.number({"aoDistance", "m that ambient-occlusion reaches; 0: half the diagonal of the scene's box"},
              settings.aoDistance, {0, 1e9});
-    v.integer({"maxBounces", "surface scatterings after the camera ray; 0 shows emission only"},
+    v.integer({"maxBounces", "scatterings after the camera ray, at surfaces and in fog; 0 shows emission only"},
               settings.maxBounces, {0, 1024});
     v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},
               settings.rouletteStart, {0, 1024});
@@ -108,6 +109,7 @@ void describe(Visitor& v, Is<JobSpec> auto& job) {
     v.object({"settings", ""}, job.settings);
     v.object({"environment", "what surrounds the scene"}, job.environment);
     v.list({"lights", "added to the scene's"}, job.lights, {0, 10000});
+    v.object({"fog", "a homogeneous medium between the surfaces"}, job.fog);
     v.list({"materials", "what to change of materials; later ones win"}, job.materials, {0, 10000});
     v.text({"variant", "of KHR_materials_variants by name; empty for the file's default materials"},
            job.variant, {0, 1024});

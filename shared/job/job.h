@@ -7,6 +7,7 @@
 
 #include "shared/job/appearance.h"
 #include "shared/job/lighting.h"
+#include "shared/job/medium.h"
 #include "shared/job/output.h"
 #include "shared/job/viewing.h"
 
@@ -51,7 +52,7 @@ enum class DirectLight : uint8_t {
 /// What decides a sample's value, beside scene, frame, pixel and sample index.
 struct RenderSettings {
     uint32_t seed = 0;
-    uint32_t maxBounces = 8;     // surface scatterings after the camera ray; 0: emission only
+    uint32_t maxBounces = 8;     // scatterings after the camera ray, at surfaces and in fog; 0: emission only
     uint32_t rouletteStart = 4;  // bounces before Russian roulette; unbiased at any value
     Integrator integrator = Integrator::path;
     double aoDistance = 0;  // m that ambient occlusion reaches; 0: half the diagonal of the scene's box
@@ -83,6 +84,7 @@ struct JobSpec {
     RenderSettings settings;
     EnvironmentSettings environment;
     std::vector<LightSettings> lights;        // added to the scene's
+    FogSettings fog;
     std::vector<MaterialOverride> materials;  // later ones win
     std::string variant;  // of KHR_materials_variants; empty: the file's default materials
     ViewSettings view;

@@ -77,6 +77,15 @@ public:
             ->default_str(fmt::format("{}", fmt::join(value, " ")))
             ->check(CLI::Range(range.least, range.most));
     }
+    template <typename T>
+    void triple(Member m, std::optional<std::array<T, 3>>& value, NumberRange range) {
+        const auto take = [&value](const std::vector<T>& given) {
+            std::copy_n(given.begin(), 3, value.emplace().begin());
+        };
+        app_.add_option_function<std::vector<T>>(nameOf(m), take, std::string(m.meaning))
+            ->expected(3)
+            ->check(CLI::Range(range.least, range.most));
+    }
     void flag(Member m, bool& value) {
         const std::string name = nameOf(m);
         app_.add_flag(name + ",!--no-" + name.substr(2), value, std::string(m.meaning))
@@ -122,6 +131,7 @@ public:
     // Their members have names that would say too little by themselves.
     void object(Member, EnvironmentSettings& value) { within("environment-", value); }
     void object(Member, SkySettings& value) { within("sky-", value); }
+    void object(Member, FogSettings& value) { within("fog-", value); }
     void object(Member, ViewSettings& value) { within("view-", value); }
     void object(Member, OutputSettings& value) { within("output-", value); }
     // The command line says these its own way.

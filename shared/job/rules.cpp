@@ -103,6 +103,17 @@ void checkMotion(const MotionSettings& motion, Faults& faults) {
         faults.add("/motion/shutterSteps", "must be a power of two");
 }
 
+void checkFog(const FogSettings& fog, Faults& faults) {
+    if (faults.at("/fog")) return;
+    if (fog.min.has_value() != fog.max.has_value())
+        faults.add(fog.min ? "/fog/max" : "/fog/min", "is missing: a box has both corners");
+    if (!fog.min || !fog.max) return;
+    for (size_t axis = 0; axis < 3; ++axis)
+        if (!((*fog.min)[axis] < (*fog.max)[axis]))
+            faults.add(fmt::format("/fog/max/{}", axis),
+                       fmt::format("is {}, not above min's {}", (*fog.max)[axis], (*fog.min)[axis]));
+}
+
 }  // namespace
 
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
@@ -116,6 +127,7 @@ void checkJob(const JobSpec& job, Faults& faults) {
     checkFrames(job.frames, faults);
     checkTiles(job.image, faults);
     checkEnvironment(job, faults);
+    checkFog(job.fog, faults);
     checkView(job.view, faults);
     checkMotion(job.motion, faults);
     for (size_t i = 0; i < job.lights.size(); ++i)

@@ -21,6 +21,7 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "material.glsl"
 #include "lights/environment.glsl"
 #include "film.glsl"
+#include "path/medium.glsl"
 
 void unitFloats(uint i) {
     float u = unitFloat(i << 8u | 255u);
@@ -71,6 +72,20 @@ void environmentSamples(uint i) {
     answers[2u * i + 1u] = vec4(radiance, environmentAlong(wi).a);
 }
 
+void phasePdfs(uint i) {
+    vec4 from = queries[2u * i];
+    answers[i] = vec4(phasePdf(from.w, from.xyz, queries[2u * i + 1u].xyz));
+}
+
+void phaseSamples(uint i) {
+    vec4 from = queries[0];
+    uvec2 bits = pcg4d(uvec4(i, 29u, 0u, 1u)).xy;
+    float pdf;
+    vec3 wi = phaseSample(from.w, from.xyz, unitFloat(bits), pdf);
+    answers[2u * i] = vec4(wi, pdf);
+    answers[2u * i + 1u] = vec4(phasePdf(from.w, from.xyz, wi));
+}
+
 void main() {
     uint i = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
     if (i >= count) return;
@@ -80,5 +95,8 @@ void main() {
         case PROBE_SPAWNED_RAYS: spawnedRays(i); break;
         case PROBE_PASS_FILMS: passFilms(i); break;
         case PROBE_ENVIRONMENT: environmentSamples(i); break;
+        case PROBE_PHASE: phasePdfs(i); break;
+        case PROBE_PHASE_SAMPLES: phaseSamples(i); break;
+        case PROBE_EXPONENTIAL: answers[i] = vec4(exponential(floatBitsToUint(queries[i].xy))); break;
     }
 }

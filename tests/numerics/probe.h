@@ -22,6 +22,12 @@ PROBE_CONSTANT PROBE_SPAWNED_RAYS = 2;
 PROBE_CONSTANT PROBE_PASS_FILMS = 3;
 // environmentSample for sample i: direction, pdf; radiance, pdf that environmentAlong has for the direction.
 PROBE_CONSTANT PROBE_ENVIRONMENT = 4;
+// query 0: direction of travel, g; query 1: direction after it. Answer: phasePdf of it.
+PROBE_CONSTANT PROBE_PHASE = 5;
+// query 0 of all: direction of travel, g. Answer: phaseSample for sample i and its pdf; phasePdf of that direction.
+PROBE_CONSTANT PROBE_PHASE_SAMPLES = 6;
+// Answer: exponential() (shaders/path/medium.glsl) of the bits of query.xy.
+PROBE_CONSTANT PROBE_EXPONENTIAL = 7;
 
 #define PROBE_SPIKE 1e4
 #define PROBE_PASS_SAMPLES 256

@@ -75,14 +75,17 @@ std::string text(const glm::vec3& v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
 
+std::string placeOf(const TraceStep& s) {
+    if (std::isinf(s.t)) return fmt::format("left the scene towards {}", text(s.position));
+    if (s.primitive == kNone) return fmt::format("fog at {} after {:.6g}", text(s.position), s.t);
+    return fmt::format("primitive {} at {} after {:.6g}", s.primitive, text(s.position), s.t);
+}
+
 void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* out) {
     fmt::print(out, "pixel {},{} sample {}: radiance {}\n", at.x, at.y, at.sample, text(trace.radiance));
     for (size_t i = 0; i < trace.steps.size(); ++i) {
         const TraceStep& s = trace.steps[i];
-        const bool left = s.primitive == kNone;
-        fmt::print(out, "  {:>3}  {}  throughput {}  pdf {:.6g}  radiance so far {}\n", i,
-                   left ? fmt::format("left the scene towards {}", text(s.position))
-                        : fmt::format("primitive {} at {} after {:.6g}", s.primitive, text(s.position), s.t),
+        fmt::print(out, "  {:>3}  {}  throughput {}  pdf {:.6g}  radiance so far {}\n", i, placeOf(s),
                    text(s.throughput), s.pdf, text(s.radiance));
     }
 }

@@ -59,6 +59,7 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "pixel filter",
     "Sobol sampler",
     "stratified sampler",
+    "fog",
 };
 static_assert(!kNames.back().empty());
 

@@ -117,10 +117,12 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     const PackedEnvironment environment = like ? PackedEnvironment{} : packEnvironment(scene.environment);
     takeEnvironment(result, environment, like);
     result.images = textures.images;
+    result.fog = placeFog(scene.fog, world);
     PackedLights lights = packLights(scene, world, result.environmentFlux, settings.lightSelection);
 
     result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |
-                      lightingFeatures(settings, scene.environment) | extraFeatures;
+                      lightingFeatures(settings, scene.environment) |
+                      (scene.fog ? gpu::bit(gpu::FEATURE_FOG) : 0u) | extraFeatures;
     result.vertexTexels = vertexTexelsFor(result.features);
     result.triangles = world.triangleCount();
     result.stackSize = bvhStackConstant(bvh);

@@ -4,6 +4,7 @@
 
 #include "shaders/gpu_types.h"
 #include "worker/bvh/bvh.h"
+#include "worker/render/fog_parameters.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/world.h"
 #include "worker/vk/buffer.h"
@@ -25,6 +26,7 @@ struct GpuScene {
     uint32_t firstSun = 0, sunCount = 0;
     uint64_t triangles = 0;
     double environmentFlux = 0;
+    PlacedFog fog;
     std::vector<uint32_t> images;  // of the scene, in the order of their texels
 };
 

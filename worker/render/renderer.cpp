@@ -194,6 +194,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
         integrator.set(p, moment.extent);
+        setFog(p, moment.scene.fog, moved);
         const double share = 1.0 / static_cast<double>(moments.size());
         p.shutter = {static_cast<double>(i) * share, share, 0, 0};
         moment.parameterBuffer.upload(gpu::bytesOfValue(p));

@@ -34,12 +34,12 @@ struct RenderStats {
 
 /// One step of a path as Renderer::trace saw it.
 struct TraceStep {
-    glm::vec3 position{0};  // where it met a surface; of a ray that left the scene its direction
+    glm::vec3 position{0};  // where it met a surface or fog scattered it; of a ray that left the scene its direction
     float t = 0;            // along the ray; infinite for one that left
     glm::vec3 throughput{0};
     float pdf = 0;          // of the direction that led here, 1/sr
     glm::vec3 radiance{0};  // gathered up to here, light that this surface emits included
-    uint32_t primitive = 0;
+    uint32_t primitive = 0;  // kNone: of fog, or where t is infinite none
 };
 
 struct SampleTrace {

@@ -123,11 +123,21 @@ void setJobEnvironment(Scene& scene, const JobSpec& job, const std::filesystem::
     setEnvironment(scene, job.environment);
 }
 
+void setJobFog(Scene& scene, const JobSpec& job) {
+    const FogSettings& given = job.fog;
+    const auto byChannel = [](const Color& c) { return glm::dvec3(c[0], c[1], c[2]); };
+    scene.fog.extinction = byChannel(given.extinction);
+    scene.fog.albedo = byChannel(given.albedo);
+    scene.fog.anisotropy = given.anisotropy;
+    if (given.min && given.max) scene.fog.box = Fog::Box{vectorOf(*given.min), vectorOf(*given.max)};
+}
+
 Scene loadJobScene(const std::filesystem::path& entry, const std::filesystem::path& environment,
                    const JobSpec& job) {
     Scene scene = GltfSource(entry, gltfOptionsOf(job)).take();
     addJobLights(scene, job);
     setJobEnvironment(scene, job, environment);
+    setJobFog(scene, job);
     return scene;
 }
 

@@ -23,4 +23,7 @@ void addJobLights(Scene& scene, const JobSpec& job);
 /// and light where there is none at all. Once for each scene, after its lights.
 void setJobEnvironment(Scene& scene, const JobSpec& job, const std::filesystem::path& file);
 
+/// Sets the job's fog. Once for each scene.
+void setJobFog(Scene& scene, const JobSpec& job);
+
 }  // namespace tilefarm

@@ -166,6 +166,18 @@ struct Environment {
     std::string name;
 };
 
+/// A homogeneous medium outside of solids, within a box. Of no extinction: there is none.
+struct Fog {
+    glm::dvec3 extinction{0};  // 1/m
+    glm::dvec3 albedo{1};      // share of it that scatters
+    double anisotropy = 0;     // g of Henyey and Greenstein
+    struct Box {
+        glm::dvec3 lower{0}, upper{0};
+    };
+    std::optional<Box> box;  // none: around all surfaces and the camera
+    explicit operator bool() const { return extinction != glm::dvec3(0); }
+};
+
 struct Camera {
     std::string name;
     std::string node;  // name of the node that places it
@@ -206,6 +218,7 @@ struct Scene {
     std::vector<AreaLight> areaLights;
     std::vector<Camera> cameras;
     Environment environment;  // no pixels: none
+    Fog fog;
     std::vector<SceneWarning> warnings;
     uint64_t degenerateTriangles = 0;  // left out by the loader: repeated indices, zero area, not finite
 

@@ -26,6 +26,7 @@ struct Timeline::Impl {
         Scene& first = at(0);
         // Both by the first moment alone, so that they do not depend on the frames rendered here.
         setJobEnvironment(first, spec, environment);
+        setJobFog(first, spec);
         middle = middleOf(first);
         if (spec.view.kind == ViewKind::scene) still = selectCamera(first, spec.camera, aspect);
     }

@@ -78,6 +78,11 @@ TEST(JobOptions, SetChoicesAndNestedMembers) {
     EXPECT_EQ(spec, expected);
     EXPECT_EQ(parsed({"--environment-color", "1", "0.5", "0"}).environment.color, (Color{1, 0.5f, 0}));
     EXPECT_TRUE(parsed({"--environment-visible"}).environment.visible);
+    FogSettings fog{{0.1f, 0.2f, 0.3f}, {1, 1, 1}, 0.5, {{-1, -2, -3}}, {{1, 2, 3}}};
+    EXPECT_EQ(parsed({"--fog-extinction", "0.1", "0.2", "0.3", "--fog-anisotropy", "0.5", "--fog-min", "-1",
+                      "-2", "-3", "--fog-max", "1", "2", "3"})
+                  .fog,
+              fog);
 }
 
 TEST(JobOptions, TakeListsAsJsonOrFromFiles) {

@@ -67,6 +67,7 @@ TEST(JobFromJson, TakesBackWhatToJsonWrites) {
     spec.environment.rotation = -30;
     spec.environment.visible = false;
     spec.environment.sky = {5, -90, 0, 2, 3.5, 0.1, 4000};
+    spec.fog = {{0.1f, 0, 1e6f}, {1, 0.25f, 0}, -0.9999, {{-1, -2, -3}}, {{1e-3, 2, 3}}};
     LightSettings& spot = spec.lights.emplace_back();
     spot.name = "key", spot.kind = LightKind::spot;
     spot.position = {1e-3, -2, 3}, spot.direction = {0, 0, 1}, spot.color = {0.1f, 0, 1};
@@ -128,6 +129,14 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"environment": {"sky": {"turbidity": 3}}})", "/environment/sky"},
         {R"({"environment": {"kind": "sky", "sky": {"turbidity": 0}}})", "/environment/sky/turbidity"},
         {R"({"environment": {"kind": "sky", "sky": {"sun": 0}}})", "/environment/sky/sun"},
+        {R"({"fog": {"extinction": [1, -1, 1]}})", "/fog/extinction/1"},
+        {R"({"fog": {"extinction": 1}})", "/fog/extinction"},
+        {R"({"fog": {"albedo": [1, 1, 1.5]}})", "/fog/albedo/2"},
+        {R"({"fog": {"anisotropy": 1}})", "/fog/anisotropy"},
+        {R"({"fog": {"density": 1}})", "/fog/density"},
+        {R"({"fog": {"min": [0, 0, 0]}})", "/fog/max"},
+        {R"({"fog": {"max": [0, 0, 0]}})", "/fog/min"},
+        {R"({"fog": {"min": [0, 0, 0], "max": [1, 0, 1]}})", "/fog/max/1"},
         {R"({"lights": {}})", "/lights"},
         {R"({"lights": [{}]})", "/lights/0/kind"},
         {R"({"lights": [{"kind": "point"}, {"kind": "lamp"}]})", "/lights/1/kind"},
