@@ -63,6 +63,12 @@ vec2 apertureSample(vec2 u) {
     return b.x * vec2(cos(angles.x), sin(angles.x)) + b.y * vec2(cos(angles.y), sin(angles.y));
 }
 
+// Where on the lens a ray starts, from its middle.
+vec3 lensShift(SampleKey key, CameraPose pose) {
+    vec2 onLens = parameters.lens.x * apertureSample(unitFloat(randomBits(key, DIMENSION_LENS).xy));
+    return onLens.x * normalize(pose.right) + onLens.y * normalize(pose.up);
+}
+
 // Every direction around the camera, equirectangular: the picture's middle is forward, its top up.
 vec3 panoramaDirection(CameraPose pose, vec2 ndc) {
     float longitude = PI * ndc.x, latitude = 0.5 * PI * ndc.y;
@@ -83,8 +89,7 @@ void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) 
     } else {
         precise vec3 through = pose.forward + offset;
         if (has(FEATURE_THIN_LENS) && parameters.lens.x > 0.0) {
-            vec2 onLens = parameters.lens.x * apertureSample(unitFloat(randomBits(key, DIMENSION_LENS).xy));
-            vec3 shift = onLens.x * normalize(pose.right) + onLens.y * normalize(pose.up);
+            vec3 shift = lensShift(key, pose);
             origin = pose.origin + shift;
             through = through - shift * parameters.lens.y;  // all through one point of the plane in focus
         }

@@ -39,6 +39,12 @@ GPU_CONSTANT BINDING_PARAMETERS = 16;      // S FrameParameters; all bindings be
 GPU_CONSTANT BINDING_TILES = 17;           // S uvec4 per tile: x, y, width, height
 GPU_CONSTANT BINDING_FILM = 18;            // S four vec4 per pixel, PassPixel of shared/film/film.h
 GPU_CONSTANT BINDING_COUNTERS = 19;        // S COUNTER_*
+// Of the raster integrator alone:
+GPU_CONSTANT BINDING_VISIBILITY = 20;      // S uvec4 per pixel of a block: first texel in BINDING_TRIANGLES
+GPU_CONSTANT BINDING_SHAPE_SLOTS = 21;     // S uint: vertices of triangles, then first texel of every shape
+
+// Side of the blocks in which the raster integrator draws an image, pixels.
+GPU_CONSTANT RASTER_BLOCK = 2048;
 
 // Effects, as numbers of bits. Each bit compiles its code in; a scene that does not call for it pays nothing.
 GPU_CONSTANT FEATURE_TEXTURES = 0;           // any texture but normal maps
@@ -240,7 +246,7 @@ struct FrameParameters {
     vec4 shutter;         // part of the shutter's time that this scene stands for: x: begin, y: length, of 1
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
     vec4 irradiance[9];   // of the environment, integrators/ambient.glsl
-    vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*
+    vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*; raster: z: near plane, w: far plane
     vec4 fogLower;        // xyz: of the box that it fills; w: anisotropy g
     vec4 fogUpper;        // xyz: likewise; w: 1 if there is fog
     vec4 fogScattering;   // rgb, 1/m
@@ -254,11 +260,12 @@ struct PassConstants {
     uint sampleStride;
     uint continued;  // 0: the film is cleared first
     uint tileSize;   // film pixels are tile after tile, tileSize² each
+    uint block;      // of RASTER_BLOCK² pixels, row by row, that the raster integrator draws
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(FrameParameters) == 416 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
-static_assert(sizeof(PassConstants) == 20);
+static_assert(sizeof(PassConstants) == 24);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
 // (worker/scene/scene.h); texels from 7 on are read only where a feature asks for them.

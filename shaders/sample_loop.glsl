@@ -1,20 +1,26 @@
 // The body of every integrator's kernel: one invocation per pixel, several samples each, summed up in the film. The
-// including file defines `PathSample traceSample(SampleKey key, vec3 origin, vec3 direction)`.
+// including file defines `PathSample traceSample(SampleKey key, vec3 origin, vec3 direction)`; or SHADES_A_DRAW with a
+// `renderSample` of its own for the pixels of the block that was drawn.
 #ifndef SAMPLE_LOOP_GLSL
 #define SAMPLE_LOOP_GLSL
 
+#ifndef SHADES_A_DRAW
 PathSample renderSample(uvec2 pixel, SampleKey key) {
     vec2 u = unitFloat(randomBits(key, DIMENSION_PIXEL).xy);
     vec3 origin, direction;
     cameraRay(key, vec2(pixel) + filterSample(u), origin, direction);
     return traceSample(key, origin, direction);
 }
+#endif
 
 void main() {
     uvec2 inTile = gl_GlobalInvocationID.xy;
     uvec4 tile = tiles[gl_WorkGroupID.z];
     if (any(greaterThanEqual(inTile, tile.zw))) return;
     uvec2 pixel = tile.xy + inTile;
+#ifdef SHADES_A_DRAW
+    if (!inDrawnBlock(pixel)) return;
+#endif
     uint at = gl_WorkGroupID.z * pass.tileSize * pass.tileSize + inTile.y * pass.tileSize + inTile.x;
 
     FilmPixel result = emptyPixel();

@@ -53,11 +53,11 @@ inline constexpr std::array kDirectLightChoices{
 template <typename Visitor>
 void describe(Visitor& v, Is<RenderSettings> auto& settings) {
     v.integer({"seed", "of the random numbers"}, settings.seed, kAnyUint32);
-    v.choice(
-        {"integrator",
-         "path: all light, unbiased; whitted: mirrors, refraction and hard shadows; ambient-occlusion; or "
-         "a view of the first surface: albedo, normal, geometric-normal, depth, uv, material"},
-        settings.integrator, kIntegratorChoices);
+    v.choice({"integrator",
+              "path: all light, unbiased; whitted: mirrors, refraction and hard shadows; "
+              "raster: drawn, without shadows; ambient-occlusion; or "
+              "a view of the first surface: albedo, normal, geometric-normal, depth, uv, material"},
+             settings.integrator, kIntegratorChoices);
     v.number({"aoDistance", "m that ambient-occlusion reaches; 0: half the diagonal of the scene's box"},
              settings.aoDistance, {0, 1e9});
     v.integer({"maxBounces", "scatterings after the camera ray, at surfaces and in fog; 0 shows emission only"},

@@ -98,6 +98,13 @@ void checkView(const ViewSettings& view, Faults& faults) {
     if (view.blades == 1 || view.blades == 2) faults.add("/view/blades", "must be 0 or at least 3");
 }
 
+void checkIntegrator(const JobSpec& job, Faults& faults) {
+    if (faults.at("/settings") || faults.at("/view")) return;
+    if (job.settings.integrator == Integrator::raster && job.view.kind == ViewKind::panorama)
+        faults.add("/settings/integrator",
+                   "raster draws no panorama: a projection keeps straight lines straight");
+}
+
 void checkMotion(const MotionSettings& motion, Faults& faults) {
     if (!faults.at("/motion") && !std::has_single_bit(motion.shutterSteps))
         faults.add("/motion/shutterSteps", "must be a power of two");
@@ -130,6 +137,7 @@ void checkJob(const JobSpec& job, Faults& faults) {
     checkFog(job.fog, faults);
     checkView(job.view, faults);
     checkMotion(job.motion, faults);
+    checkIntegrator(job, faults);
     for (size_t i = 0; i < job.lights.size(); ++i)
         checkLight(job.lights[i], fmt::format("/lights/{}", i), faults);
     for (size_t i = 0; i < job.materials.size(); ++i)

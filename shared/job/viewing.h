@@ -46,6 +46,7 @@ struct MotionSettings {
 enum class Integrator : uint8_t {
     path,
     whitted,           // mirrors and refraction, Phong shading, hard shadows of lights in their middle
+    raster,            // drawn by the graphics pipeline: direct light, no shadows
     ambientOcclusion,  // share of the hemisphere that nothing hides within aoDistance
     albedo,
     normal,

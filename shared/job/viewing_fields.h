@@ -16,6 +16,7 @@ inline constexpr std::array kViewChoices{
 inline constexpr std::array kIntegratorChoices{
     Choice<Integrator>{"path", Integrator::path},
     Choice<Integrator>{"whitted", Integrator::whitted},
+    Choice<Integrator>{"raster", Integrator::raster},
     Choice<Integrator>{"ambient-occlusion", Integrator::ambientOcclusion},
     Choice<Integrator>{"albedo", Integrator::albedo},
     Choice<Integrator>{"normal", Integrator::normal},

@@ -6,8 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "shaders/gpu_types.h"
 #include "tests/shader/device_fixture.h"
 #include "tests/shader/render_frame.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/test_scenes.h"
 #include "worker/agent/device_backend.h"
 
@@ -273,6 +275,66 @@ TEST_F(IntegratorTest, IrradianceOfAnyEnvironmentIsWithinSomePercent) {
     }
 }
 
+// ---- Raster
+
+class RasterIntegratorTest : public testing::Test {
+protected:
+    void TearDown() override { EXPECT_THAT(device.validationMessages(), testing::IsEmpty()); }
+
+    gpu::Device device{gpu::defaultDevice(), {.graphics = true}};
+};
+
+TEST_F(RasterIntegratorTest, LambertIsLitThroughWhateverIsInBetween) {
+    constexpr uint32_t kSize = 32;
+    const Camera camera = orthographic({0.5, 0.5, 0}, {0.5, 0, 0}, 2);
+    Scene scene;
+    addMesh(scene, floorMesh(20), matte(glm::vec3(0.5f)));
+    addMesh(scene, floorMesh(20, 1), matte(glm::vec3(0.5f)));
+    PunctualLight point;
+    point.position = {0, 2, 0};
+    point.color = glm::vec3(5);
+    scene.lights.push_back(point);
+    const auto frame =
+        renderFrame(device, scene, camera, square(kSize), with(Integrator::raster, 1, false), 2);
+    for (uint32_t y = 0; y < kSize; ++y)
+        for (uint32_t x = 0; x < kSize; ++x) {
+            const glm::dvec3 p = rayOrigin(camera, kSize, x, y);
+            const double squared = p.x * p.x + p.z * p.z + 4;
+            const double expected = 0.5 / std::numbers::pi * 5 * 2 / (squared * std::sqrt(squared));
+            EXPECT_NEAR(frame[y * kSize + x].mean[0], expected, 1e-5 * expected) << x << ", " << y;
+            EXPECT_NEAR(frame[y * kSize + x].depth, 0.5, 1e-6);
+        }
+}
+
+TEST_F(RasterIntegratorTest, BlocksOfLargeImagesFitTogether) {
+    Scene scene;
+    addMesh(scene, sphereMesh(24), matte(glm::vec3(0.5f)));
+    ImageSpec image;
+    image.width = gpu::RASTER_BLOCK + 72;
+    image.height = 16;
+    image.tileSize = 136;  // one tile lies in both blocks
+    Camera camera = orthographic({0, 0, 3}, {0, 0, 0}, 1.0f / 256);
+    const auto drawn = renderFrame(device, scene, camera, image, with(Integrator::raster, 1, false), 1),
+               cast = renderFrame(device, scene, camera, image, with(Integrator::normal, 1, false), 1);
+    size_t other = 0, covered = 0;
+    for (size_t i = 0; i < drawn.size(); ++i) {
+        covered += hit(drawn[i]);
+        other += drawn[i].normal != cast[i].normal;
+    }
+    EXPECT_LT(other, drawn.size() / 200);
+    EXPECT_GT(covered, drawn.size() / 2);
+}
+
+TEST_F(RasterIntegratorTest, RefusesPanoramas) {
+    Camera camera = cameraAt({0, 0, 3}, {0, 0, 0}, 1);
+    camera.panorama = true;
+    Scene scene;
+    addMesh(scene, floorMesh(1), matte(glm::vec3(0.5f)));
+    EXPECT_THAT(
+        errorOf([&] { Renderer(device, scene, camera, square(16), with(Integrator::raster)); }).what(),
+        testing::HasSubstr("panorama"));
+}
+
 // ---- All of them
 
 struct Named {
@@ -280,11 +342,9 @@ struct Named {
     Integrator integrator;
 };
 constexpr Named kAll[]{
-    {"path", Integrator::path},
-    {"whitted", Integrator::whitted},
-    {"ambientOcclusion", Integrator::ambientOcclusion},
-    {"normal", Integrator::normal},
-    {"uv", Integrator::uv},
+    {"path", Integrator::path},     {"whitted", Integrator::whitted},
+    {"raster", Integrator::raster}, {"ambientOcclusion", Integrator::ambientOcclusion},
+    {"normal", Integrator::normal}, {"uv", Integrator::uv},
 };
 
 class EveryIntegrator : public testing::TestWithParam<Named> {
@@ -336,6 +396,34 @@ TEST_P(EveryIntegrator, TilesDoNotShow) {
                     0)
                     << "tile " << i << ", row " << y;
         }
+    }
+}
+
+/// Share of the pixels in which the film's normals differ.
+double apart(const PassFilm& a, const PassFilm& b) {
+    double other = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i)
+        other += a.pixels[i].normal != b.pixels[i].normal || a.pixels[i].alpha != b.pixels[i].alpha;
+    return other / static_cast<double>(a.pixels.size());
+}
+
+TEST(RasterScenes, ShowTheSurfacesThatRaysMeet) {
+    const auto backend = makeDeviceBackend(gpu::defaultDevice());
+    for (const ViewKind kind : {ViewKind::perspective, ViewKind::orthographic}) {
+        JobSpec spec;
+        spec.image = square(96);
+        spec.settings.jitter = false;
+        spec.view.kind = kind;
+        spec.view.eye = {1, 2, 6};
+        spec.view.height = 5;
+        std::vector<PassFilm> films;
+        for (const Integrator integrator : {Integrator::raster, Integrator::normal}) {
+            spec.settings.integrator = integrator;
+            backend->prepare(spec, {kData / "shapes.gltf", {}});
+            films.push_back(backend->render(0, std::vector<uint32_t>{0}, {0, 1}).front());
+        }
+        // Only at edges may a pixel's centre fall to the one or the other.
+        EXPECT_LT(apart(films[0], films[1]), 0.01) << static_cast<int>(kind);
     }
 }
 

@@ -39,7 +39,7 @@ public:
 
     PreparedScene prepare(const JobSpec& spec, const SceneFiles& files) override {
         drop();
-        if (!device_) device_.emplace(index_, options_);
+        openDevice(spec.settings.integrator == Integrator::raster);
         const auto begin = std::chrono::steady_clock::now();
         timeline_.emplace(spec, files.entry, files.environment);
         frame_ = spec.frames.first;
@@ -89,6 +89,15 @@ public:
     }
 
 private:
+    // Once a job has asked for drawing, the device is kept with a queue that draws.
+    void openDevice(bool draws) {
+        if (device_ && (!draws || device_->limits().graphics)) return;
+        device_.reset();
+        gpu::DeviceOptions options = options_;
+        options.graphics |= draws;
+        device_.emplace(index_, options);
+    }
+
     // Only what differs between frames: the camera, and the scene where it moves.
     void show(int32_t frame) {
         if (frame == frame_) return;

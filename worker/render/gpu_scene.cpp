@@ -28,6 +28,14 @@ std::vector<bool> usedMaterials(const Scene& scene, const WorldGeometry& world) 
     return used;
 }
 
+std::vector<uint32_t> shapeSlotsOf(const Bvh& bvh) {
+    std::vector<uint32_t> slots;
+    for (uint32_t i = 0; i < bvh.triangleCount; ++i)
+        if ((bvh.triangles[size_t{i} * kBvhTriangleTexels].w & kBvhShape) != 0)
+            slots.push_back(i * kBvhTriangleTexels);
+    return slots;
+}
+
 // Four indices to a texel.
 std::vector<uint32_t> padded(std::vector<uint32_t> indices) {
     indices.resize((indices.size() + 3) / 4 * 4, gpu::NO_INDEX);
@@ -126,6 +134,8 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.vertexTexels = vertexTexelsFor(result.features);
     result.triangles = world.triangleCount();
     result.stackSize = bvhStackConstant(bvh);
+    result.slots = bvh.triangleCount;
+    if (!world.shapes.empty()) result.shapeSlots = shapeSlotsOf(bvh);
     result.lightCount = static_cast<uint32_t>(lights.records.size());
     result.environmentLight = lights.environmentLight;
     const double turns = scene.environment.rotation / (2 * std::numbers::pi);

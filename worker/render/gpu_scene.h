@@ -25,6 +25,8 @@ struct GpuScene {
     bool environmentHidden = false;
     uint32_t firstSun = 0, sunCount = 0;
     uint64_t triangles = 0;
+    uint32_t slots = 0;                // triangles and shapes in BINDING_TRIANGLES
+    std::vector<uint32_t> shapeSlots;  // first texels of the shapes there
     double environmentFlux = 0;
     PlacedFog fog;
     std::vector<uint32_t> images;  // of the scene, in the order of their texels

@@ -1,9 +1,11 @@
 #include "worker/render/integrators.h"
 
+#include <algorithm>
 #include <initializer_list>
 
 #include "ambient_occlusion.comp.h"
 #include "path_trace.comp.h"
+#include "raster_shade.comp.h"
 #include "surface_view.comp.h"
 #include "whitted.comp.h"
 #include "worker/render/environment_irradiance.h"
@@ -56,6 +58,9 @@ IntegratorKernel kernelOf(Integrator integrator) {
         case Integrator::path: return {path_trace_comp, "path_trace", all, all, 0};
         case Integrator::whitted:
             return {whitted_comp, "whitted", kCameras | kSurfaces | kLighting, kEstimators, 0};
+        case Integrator::raster:
+            return {
+                raster_shade_comp, "raster_shade", kCameras | kSurfaces | kLighting, kEstimators, 0, true};
         case Integrator::ambientOcclusion:
             return {ambient_occlusion_comp, "ambient_occlusion", kCameras | kSurfaces, all, 0};
         // Without textures no scene keeps its texture coordinates.
@@ -68,16 +73,20 @@ IntegratorKernel kernelOf(Integrator integrator) {
 
 IntegratorParameters::IntegratorParameters(const RenderSettings& settings, const Environment& environment)
     : aoDistance_(settings.aoDistance), view_(viewOf(settings.integrator)) {
-    if (settings.integrator == Integrator::whitted) irradiance_ = environmentIrradiance(environment);
+    if (settings.integrator == Integrator::whitted || settings.integrator == Integrator::raster)
+        irradiance_ = environmentIrradiance(environment);
 }
 
-void IntegratorParameters::set(gpu::FrameParameters& parameters, double extent) const {
+void IntegratorParameters::set(gpu::FrameParameters& parameters, const glm::vec3& lower,
+                               const glm::vec3& upper) const {
     for (size_t i = 0; i < irradiance_.size(); ++i) parameters.irradiance[i] = irradiance_[i];
-    parameters.integrator = {aoDistance_ > 0 ? aoDistance_ : 0.5 * extent, view_, 0, 0};
-}
-
-double extentOf(const WorldGeometry& world) {
-    return glm::distance(glm::dvec3(world.lower), glm::dvec3(world.upper));
+    const double extent = std::max(glm::distance(glm::dvec3(lower), glm::dvec3(upper)), 1e-30);
+    const double away =
+        glm::distance(glm::dvec3(parameters.cameraOrigin), 0.5 * (glm::dvec3(lower) + glm::dvec3(upper)));
+    // Near: depths are reversed floats, so it costs no resolution. Far, of orthographic cameras alone: with
+    // room for one that moves.
+    parameters.integrator = {aoDistance_ > 0 ? aoDistance_ : 0.5 * extent, view_, 1e-5 * extent,
+                             4 * (extent + away)};
 }
 
 }  // namespace tilefarm

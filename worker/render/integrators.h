@@ -6,7 +6,7 @@
 
 #include "shaders/gpu_types.h"
 #include "shared/job/job.h"
-#include "worker/scene/world.h"
+#include "worker/scene/scene.h"
 
 namespace tilefarm {
 
@@ -17,6 +17,7 @@ struct IntegratorKernel {
     uint64_t shows;        // FEATURE_* that it knows; others are not compiled in
     uint64_t indifferent;  // of the others, those that say how to estimate rather than what there is
     uint64_t calls;        // FEATURE_* that it calls for itself
+    bool draws = false;    // it shades what RasterPass has drawn
 };
 IntegratorKernel kernelOf(Integrator integrator);
 
@@ -24,16 +25,14 @@ IntegratorKernel kernelOf(Integrator integrator);
 class IntegratorParameters {
 public:
     IntegratorParameters(const RenderSettings& settings, const Environment& environment);
-    /// `extent`: diagonal of the box of the scene, m.
-    void set(gpu::FrameParameters& parameters, double extent) const;
+    /// `lower`, `upper`: the box of the scene in the space of its geometry, as the camera that `parameters`
+    /// has already.
+    void set(gpu::FrameParameters& parameters, const glm::vec3& lower, const glm::vec3& upper) const;
 
 private:
     std::array<glm::vec4, 9> irradiance_{};
     double aoDistance_;
     uint32_t view_;
 };
-
-/// Diagonal of the box of all surfaces, m.
-double extentOf(const WorldGeometry& world);
 
 }  // namespace tilefarm

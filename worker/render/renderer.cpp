@@ -10,6 +10,7 @@
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
 #include "worker/render/integrators.h"
+#include "worker/render/raster_pass.h"
 #include "worker/render/sample_parameters.h"
 #include "worker/vk/commands.h"
 
@@ -22,6 +23,7 @@ constexpr uint64_t kFilmPixels = uint64_t{1} << 21;
 // seconds. Where a pass is cut does not show in its bits: the film carries the running sums.
 constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 22;
 constexpr uint64_t kSamplesPerDispatchGpu = uint64_t{1} << 26;
+constexpr uint32_t kSamplesPerDraw = 16;  // of one run of draws, each with the whole scene
 constexpr uint32_t kGroupSize = 8;
 
 // What a kernel is compiled for.
@@ -34,7 +36,8 @@ struct KernelShape {
 gpu::PipelineSpec pipelineSpec(const IntegratorKernel& kernel, const KernelShape& shape) {
     gpu::PipelineSpec spec;
     spec.spirv = kernel.spirv;
-    spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
+    spec.bindings.assign((kernel.draws ? gpu::BINDING_SHAPE_SLOTS : gpu::BINDING_COUNTERS) + 1,
+                         gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
     spec.constants.resize(gpu::SPEC_COUNT);
     spec.constants[gpu::SPEC_FEATURES] = static_cast<uint32_t>(shape.features);
@@ -51,7 +54,8 @@ struct Moment {
     GpuScene scene;
     glm::dvec3 centre;
     uint64_t degenerateTriangles = 0;
-    double extent = 0;  // diagonal of its box, m
+    glm::vec3 lower{0}, upper{0};  // its box
+    uint32_t vertices = 0;         // of a draw
     gpu::FrameParameters parameters{};
     gpu::StorageBuffer parameterBuffer;
     std::vector<gpu::Binding> bindings;
@@ -80,6 +84,7 @@ struct Renderer::Impl {
     KernelShape compiled;
     CameraPath camera;
     std::vector<Moment> moments;  // in the order of time
+    std::optional<RasterPass> raster;
     std::optional<gpu::ComputePipeline> pipeline;
     uint32_t tilesPerBatch;
     gpu::StorageBuffer tileBuffer, filmBuffer, counterBuffer;
@@ -119,6 +124,7 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
       filmBuffer(on, filmBytes(), "film"),
       counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
                     "counters") {
+    if (kernel.draws) raster.emplace(device, image);
     setScenes(1, [&](uint32_t) -> const Scene& { return source; });
 }
 
@@ -127,13 +133,22 @@ Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, con
     Moment moment{makeGpuScene(device, scene, world, settings, alsoCompiled, times, like),
                   world.centre,
                   world.degenerateTriangles,
-                  extentOf(world),
+                  world.lower,
+                  world.upper,
+                  0,
                   {},
                   gpu::StorageBuffer(device, sizeof(gpu::FrameParameters), "frame parameters"),
                   {}};
     moment.bindings.assign(moment.scene.buffers.begin(), moment.scene.buffers.end());
     moment.bindings.insert(moment.bindings.end(),
                            {moment.parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
+    if (raster) {
+        const auto table = shapeSlotTable(moment.scene.slots, moment.scene.shapeSlots);
+        gpu::StorageBuffer slots(device, table.size() * sizeof(uint32_t), "slots of shapes");
+        slots.upload(gpu::bytesOf(table));
+        moment.bindings.insert(moment.bindings.end(), {raster->visibility(), slots});
+        moment.vertices = verticesOf(moment.scene.slots, moment.scene.shapeSlots.size());
+    }
     return moment;
 }
 
@@ -164,6 +179,8 @@ void Renderer::Impl::setCamera(const CameraPath& path) {
 void Renderer::Impl::compileIfNeeded() {
     setParameters(0);
     wanted |= featuresOf(camera);
+    if (raster && camera.keys.front().panorama)
+        throw Error(ErrorCode::invalidArgument, "the raster integrator draws no panorama");
     KernelShape shape{wanted & kernel.shows, moments.front().scene.vertexTexels, compiled.stackSize};
     for (const Moment& moment : moments) shape.stackSize = std::max(shape.stackSize, moment.scene.stackSize);
     if (pipeline && shape == compiled) return;
@@ -171,11 +188,14 @@ void Renderer::Impl::compileIfNeeded() {
     const auto start = std::chrono::steady_clock::now();
     compiled = shape;
     features = reportFeatures(compiled.features, wanted & ~kernel.indifferent);
-    pipeline.emplace(device, pipelineSpec(kernel, compiled));
+    const gpu::PipelineSpec spec = pipelineSpec(kernel, compiled);
+    pipeline.emplace(device, spec);
+    if (raster)
+        raster->compile(device, spec.constants, (compiled.features & gpu::bit(gpu::FEATURE_SHAPES)) != 0);
     const std::vector<gpu::uvec4> none(tilesPerBatch);
     tileBuffer.upload(gpu::bytesOf(none));
     const RenderStats before = stats;
-    dispatch(moments.front(), 1, {0, 0, 1, 0, image.tileSize});
+    dispatch(moments.front(), 1, {0, 0, 1, 0, image.tileSize, 0});
     stats = before;
     times.pipelineSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -193,7 +213,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
-        integrator.set(p, moment.extent);
+        integrator.set(p, moment.lower, moment.upper);
         setFog(p, moment.scene.fog, moved);
         const double share = 1.0 / static_cast<double>(moments.size());
         p.shutter = {static_cast<double>(i) * share, share, 0, 0};
@@ -202,13 +222,14 @@ void Renderer::Impl::setParameters(int32_t frame) {
 }
 
 void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
-    std::vector<gpu::uvec4> rects;
-    rects.reserve(tiles.size());
+    std::vector<Rect> rects;
+    std::vector<gpu::uvec4> texels;
     for (const uint32_t tile : tiles) {
-        const Rect r = grid.rect(tile);
-        rects.emplace_back(r.x, r.y, r.width, r.height);
+        const Rect& r = rects.emplace_back(grid.rect(tile));
+        texels.emplace_back(r.x, r.y, r.width, r.height);
     }
-    tileBuffer.upload(gpu::bytesOf(rects));
+    tileBuffer.upload(gpu::bytesOf(texels));
+    if (raster) raster->setTiles(rects);
 }
 
 // A trace stands behind the film of one tile: a step for every scattering, for what the last ray met, and an
@@ -244,7 +265,10 @@ std::vector<uint32_t> Renderer::Impl::dispatch(const Moment& moment, uint32_t ti
     const uint32_t groups = (image.tileSize + kGroupSize - 1) / kGroupSize;
     counterBuffer.zero();
     gpu::CommandRun run(device);
-    run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
+    if (raster)
+        raster->add(run, *pipeline, moment.bindings, constants, moment.vertices, groups, tileCount);
+    else
+        run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
     const size_t counters = run.read(counterBuffer);
     gpu::Submission submission = run.submit();
     stats.deviceSeconds += submission.wait();
@@ -276,7 +300,8 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     uploadTiles(tiles);
     uint64_t pixels = 0;
     for (const uint32_t tile : tiles) pixels += grid.rect(tile).area();
-    const uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
+    uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
+    if (raster) most = std::min(most, kSamplesPerDraw * pixels);
     const auto step = static_cast<uint32_t>(std::clamp<uint64_t>(most / pixels, 1, samples.count));
     std::vector<PassFaults> faults(tiles.size());
     const auto moment = static_cast<uint32_t>(moments.size());
@@ -287,7 +312,7 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
             countFaults(dispatch(moments[shutterStep(first, moment, settings.seed, frame)],
                                  static_cast<uint32_t>(tiles.size()),
                                  {first + done * moment, std::min(step, count - done), moment, continued,
-                                  image.tileSize}),
+                                  image.tileSize, 0}),
                         tiles, faults);
     }
     stats.samples += pixels * samples.count;
@@ -327,7 +352,8 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
     setParameters(frame);
     tileBuffer.upload(gpu::bytesOfValue(gpu::uvec4(x, y, 1, 1)));
     const auto steps = static_cast<uint32_t>(moments.size());
-    dispatch(moments[shutterStep(sample, steps, settings.seed, frame)], 1, {sample, 1, 1, 0, image.tileSize});
+    dispatch(moments[shutterStep(sample, steps, settings.seed, frame)], 1,
+             {sample, 1, 1, 0, image.tileSize, 0});
     std::vector<gpu::vec4> texels((filmBytes() - sizeof(PassPixel) * tilePixels()) / sizeof(gpu::vec4));
     filmBuffer.read(std::as_writable_bytes(std::span(texels)), sizeof(PassPixel) * tilePixels());
     SampleTrace result;
