@@ -70,7 +70,7 @@ void serve(const ServerConfig& config, const StopSignal& stop) {
         if (Housekeeper* keeper = housekeeper) keeper->wake();
     });
     FilmStore films(config.data);
-    FrameImages images(store, scheduler, films, clock, config.data);
+    FrameImages images(store, scheduler, films, blobs, clock, config.data);
     ResultMerger merger(store, scheduler, films);
     reportSweep(scheduler);
     removeLeftovers(store, films, images);

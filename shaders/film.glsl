@@ -1,7 +1,11 @@
 // Running mean and sum of squared deviations of a pixel (Welford 1962), four texels per pixel in the
-// layout of PassPixel (shared/film/film.h).
+// layout of PassPixel (shared/film/film.h). Channels that a job asks for beside stand behind (extra_channels.glsl).
 #ifndef FILM_GLSL
 #define FILM_GLSL
+
+#define FILM_STRIDE                                                                          \
+    (FILM_TEXELS + featureBit(FEATURE_LIGHT_PATHS) * LIGHT_PATH_COUNT + featureBit(FEATURE_UV_CHANNEL) + \
+     featureBit(FEATURE_CRYPTOMATTE) * 2u * MATTE_TEXELS)
 
 struct PathSample {
     vec3 radiance;
@@ -21,14 +25,14 @@ struct FilmPixel {
 FilmPixel emptyPixel() { return FilmPixel(vec4(0), vec4(0), vec4(0), vec4(0)); }
 
 FilmPixel loadPixel(uint at) {
-    return FilmPixel(film[4u * at], film[4u * at + 1u], film[4u * at + 2u], film[4u * at + 3u]);
+    return FilmPixel(film[FILM_STRIDE * at], film[FILM_STRIDE * at + 1u], film[FILM_STRIDE * at + 2u], film[FILM_STRIDE * at + 3u]);
 }
 
 void storePixel(uint at, FilmPixel pixel) {
-    film[4u * at] = pixel.mean;
-    film[4u * at + 1u] = pixel.m2;
-    film[4u * at + 2u] = pixel.albedo;
-    film[4u * at + 3u] = pixel.normal;
+    film[FILM_STRIDE * at] = pixel.mean;
+    film[FILM_STRIDE * at + 1u] = pixel.m2;
+    film[FILM_STRIDE * at + 2u] = pixel.albedo;
+    film[FILM_STRIDE * at + 3u] = pixel.normal;
 }
 
 void addSample(inout FilmPixel pixel, PathSample s) {

@@ -35,13 +35,14 @@ GPU_CONSTANT BINDING_ENVIRONMENT_ALIAS = 12;// T rgba32ui AliasRecord per texel
 GPU_CONSTANT BINDING_ALBEDO_TABLES = 13;   // T rgba32f  see bsdf/albedo_table.glsl
 GPU_CONSTANT BINDING_LIGHT_TREE = 14;      // T rgba32ui nodes of shaders/lights/light_tree.glsl
 GPU_CONSTANT BINDING_SHAPES = 15;          // T rgba32ui ShapeRecord
-GPU_CONSTANT BINDING_PARAMETERS = 16;      // S FrameParameters; all bindings before it are texels
-GPU_CONSTANT BINDING_TILES = 17;           // S uvec4 per tile: x, y, width, height
-GPU_CONSTANT BINDING_FILM = 18;            // S four vec4 per pixel, PassPixel of shared/film/film.h
-GPU_CONSTANT BINDING_COUNTERS = 19;        // S COUNTER_*
+GPU_CONSTANT BINDING_MATTES = 16;          // T rgba32ui ids of object and material, two primitives per texel
+GPU_CONSTANT BINDING_PARAMETERS = 17;      // S FrameParameters; all bindings before it are texels
+GPU_CONSTANT BINDING_TILES = 18;           // S uvec4 per tile: x, y, width, height
+GPU_CONSTANT BINDING_FILM = 19;            // S per pixel FILM_TEXELS, PassPixel of shared/film/film.h, and further ones
+GPU_CONSTANT BINDING_COUNTERS = 20;        // S COUNTER_*
 // Of the raster integrator alone:
-GPU_CONSTANT BINDING_VISIBILITY = 20;      // S uvec4 per pixel of a block: first texel in BINDING_TRIANGLES
-GPU_CONSTANT BINDING_SHAPE_SLOTS = 21;     // S uint: vertices of triangles, then first texel of every shape
+GPU_CONSTANT BINDING_VISIBILITY = 21;      // S uvec4 per pixel of a block: first texel in BINDING_TRIANGLES
+GPU_CONSTANT BINDING_SHAPE_SLOTS = 22;     // S uint: vertices of triangles, then first texel of every shape
 
 // Side of the blocks in which the raster integrator draws an image, pixels.
 GPU_CONSTANT RASTER_BLOCK = 2048;
@@ -98,7 +99,10 @@ GPU_CONSTANT FEATURE_PIXEL_FILTER = 47;         // any but the box of one pixel
 GPU_CONSTANT FEATURE_SOBOL_SAMPLER = 48;        // Owen-scrambled Sobol points
 GPU_CONSTANT FEATURE_STRATIFIED_SAMPLER = 49;   // jittered grids
 GPU_CONSTANT FEATURE_FOG = 50;                  // a medium outside of solids that absorbs and scatters
-GPU_CONSTANT FEATURE_COUNT = 51;
+GPU_CONSTANT FEATURE_LIGHT_PATHS = 51;          // channels that a job asks for: light by its first scattering,
+GPU_CONSTANT FEATURE_UV_CHANNEL = 52;           // texture coordinates,
+GPU_CONSTANT FEATURE_CRYPTOMATTE = 53;          // ids of objects and materials
+GPU_CONSTANT FEATURE_COUNT = 54;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -203,6 +207,18 @@ GPU_CONSTANT FILTER_BLACKMAN_HARRIS = 5;
 GPU_CONSTANT SAMPLER_RANDOM = 0;
 GPU_CONSTANT SAMPLER_STRATIFIED = 1;
 GPU_CONSTANT SAMPLER_SOBOL = 2;
+
+GPU_CONSTANT FILM_TEXELS = 4;  // of a pixel, before what a job asks for beside
+// Texels of FEATURE_LIGHT_PATHS: direct light, then indirect, by what scattered it first as seen from the camera.
+GPU_CONSTANT LIGHT_PATH_EMISSION = 0;  // from lights and environment straight to the camera
+GPU_CONSTANT LIGHT_PATH_DIFFUSE = 1;
+GPU_CONSTANT LIGHT_PATH_SPECULAR = 3;
+GPU_CONSTANT LIGHT_PATH_TRANSMISSION = 5;
+GPU_CONSTANT LIGHT_PATH_VOLUME = 7;    // fog
+GPU_CONSTANT LIGHT_PATH_COUNT = 9;
+// Of FEATURE_CRYPTOMATTE: pairs of id and samples, two in a texel, of objects and then of materials.
+GPU_CONSTANT MATTE_RANKS = 6;
+GPU_CONSTANT MATTE_TEXELS = MATTE_RANKS / 2;
 
 GPU_CONSTANT CAMERA_KEYS = 33;       // at most
 GPU_CONSTANT CAMERA_KEY_VECTORS = 3;

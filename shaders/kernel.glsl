@@ -26,6 +26,7 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "camera.glsl"
 #include "pixel_filter.glsl"
 #include "film.glsl"
+#include "extra_channels.glsl"
 
 // What decides at cut-out surfaces along the rays of a bounce.
 uint cutoutKey(SampleKey key, uint bounce) {

@@ -23,12 +23,13 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.from = path.side = vec3(0);
     path.channel = 3u;
     path.bounce = 0u;
+    path.first = noScattering();
     return path;
 }
 
 // Behind the films of one tile, for Renderer::trace; the step after a path's last has t < 0.
 void recordStep(uint step, vec3 position, float t, PathState path, uint primitive) {
-    uint at = 4u * pass.tileSize * pass.tileSize + step * TRACE_TEXELS;
+    uint at = FILM_STRIDE * pass.tileSize * pass.tileSize + step * TRACE_TEXELS;
     film[at] = vec4(position, t);
     film[at + 1u] = vec4(path.throughput, path.pdf);
     film[at + 2u] = vec4(path.radiance, uintBitsToFloat(primitive));
@@ -65,6 +66,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
                 result.normal = s.frame[2];
                 result.depth = hit.t;
                 result.alpha = 1.0;
+                noteFirstSurface(s);
             }
         }
         if (inFog) {
@@ -90,8 +92,12 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
             if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
             bsdf = bsdfAt(m, wo, s.frontFace);
         }
-        if (hasLights())
-            gather(path, directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.medium, s, m, bsdf)), path.bounce + 1u);
+        if (hasLights()) {
+            FirstScattering parts;
+            vec3 light = directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.medium, s, m, bsdf), parts);
+            if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = sharesOf(parts, light);
+            gather(path, light, path.bounce + 1u);
+        }
 
         uvec4 bits = randomBits(key, bounceDimension(path.bounce, inFog ? DIMENSION_PHASE : DIMENSION_BSDF));
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));

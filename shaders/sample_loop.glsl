@@ -25,16 +25,19 @@ void main() {
 
     FilmPixel result = emptyPixel();
     if (pass.continued != 0u) result = loadPixel(at);
+    else if (FILM_STRIDE > FILM_TEXELS) clearExtra(FILM_STRIDE * at + FILM_TEXELS);
     SampleKey key;
     key.pixel = pixel.x | pixel.y << 16u;
     key.stream = streamKey(parameters.image.z, parameters.image.w);
     uint dropped = 0u;
     for (uint i = 0u; i < pass.sampleCount; i++) {
         key.index = pass.firstSample + i * pass.sampleStride;
+        beginExtra();
         PathSample s = renderSample(pixel, key);
         // A sample that is not finite leaves with its weight and is counted, never hidden.
         if (isFinite(s.radiance)) {
             addSample(result, s);
+            if (FILM_STRIDE > FILM_TEXELS) addExtra(FILM_STRIDE * at + FILM_TEXELS, result.mean.w);
         } else {
             dropped++;
             uint record = atomicAdd(counters[COUNTER_RECORDED], 1u);

@@ -57,8 +57,10 @@ std::string digestOf(const HttpRequest& r) {
 
 uint64_t largestUpload(const ResultTarget& target) {
     uint64_t bytes = kMostSmallBody;
+    const uint64_t floats = filmLayoutOf(target.job->spec).floats();
     for (const LeasedPass& pass : target.lease.passes) {
-        bytes += target.job->grid.rect(pass.tile).area() * sizeof(PassPixel) + kPartOverhead +
+        bytes += target.job->grid.rect(pass.tile).area() * (sizeof(PassPixel) + floats * sizeof(float)) +
+                 kPartOverhead + 64 * floats +
                  uint64_t{32} * target.job->grid.rect(pass.tile).height;
     }
     return bytes;

@@ -24,24 +24,24 @@ struct SlotHead {
 };
 static_assert(std::is_trivially_copyable_v<FilmPixel> && std::is_trivially_copyable_v<PassPixel>);
 
-uint64_t slotBytesOf(const ImageSpec& image) {
+uint64_t slotBytesOf(const ImageSpec& image, const FilmLayout& layout) {
     const uint64_t pixels =
         uint64_t{std::min(image.tileSize, image.width)} * std::min(image.tileSize, image.height);
-    const uint64_t bytes = sizeof(SlotHead) + pixels * sizeof(FilmPixel);
+    const uint64_t bytes = sizeof(SlotHead) + pixels * (sizeof(FilmPixel) + layout.floats() * sizeof(double));
     return (bytes + kPage - 1) / kPage * kPage;
 }
 
 }  // namespace
 
-FilmFile::FilmFile(const fs::path& path, const ImageSpec& image, File::Mode mode)
-    : slotBytes_(slotBytesOf(image)), file_(path, mode) {}
+FilmFile::FilmFile(const fs::path& path, const JobSpec& spec, File::Mode mode)
+    : layout_(filmLayoutOf(spec)), slotBytes_(slotBytesOf(spec.image, layout_)), file_(path, mode) {}
 
 uint64_t FilmFile::offset(uint32_t tile, uint32_t slot) const {
     return (uint64_t{tile} * 2 + slot) * slotBytes_;
 }
 
 FilmTile FilmFile::read(const TileRow& row, const Rect& rect) const {
-    FilmTile film(rect);
+    FilmTile film(rect, layout_);
     film.mergedSamples = row.mergedSamples;
     SlotHead head;
     const uint64_t at = offset(row.tile, row.slot);
@@ -54,7 +54,9 @@ FilmTile FilmFile::read(const TileRow& row, const Rect& rect) const {
                                              std::to_string(row.tile) +
                                              " does not hold what the database says");
     }
-    file_.readAt(at + sizeof head, std::as_writable_bytes(std::span(film.pixels)));
+    const auto pixels = std::as_writable_bytes(std::span(film.pixels));
+    file_.readAt(at + sizeof head, pixels);
+    file_.readAt(at + sizeof head + pixels.size(), std::as_writable_bytes(std::span(film.extra)));
     return film;
 }
 
@@ -64,7 +66,9 @@ void FilmFile::write(uint32_t tile, uint32_t slot, const FilmTile& film) {
                         .pixels = static_cast<uint32_t>(film.pixels.size())};
     const uint64_t at = offset(tile, slot);
     file_.writeAt(at, std::as_bytes(std::span(&head, 1)));
-    file_.writeAt(at + sizeof head, std::as_bytes(std::span(film.pixels)));
+    const auto pixels = std::as_bytes(std::span(film.pixels));
+    file_.writeAt(at + sizeof head, pixels);
+    file_.writeAt(at + sizeof head + pixels.size(), std::as_bytes(std::span(film.extra)));
 }
 
 FilmStore::FilmStore(fs::path folder, Probe probe) : folder_(std::move(folder)), probe_(std::move(probe)) {
@@ -78,15 +82,15 @@ fs::path FilmStore::filmPath(const JobInfo& job, int32_t frame) const {
 
 FilmTile FilmStore::read(const JobInfo& job, int32_t frame, const TileRow& row) const {
     const Rect rect = job.grid.rect(row.tile);
-    if (row.mergedSamples == 0) return FilmTile(rect);
-    return FilmFile(filmPath(job, frame), job.spec.image, File::Mode::read).read(row, rect);
+    if (row.mergedSamples == 0) return FilmTile(rect, filmLayoutOf(job.spec));
+    return FilmFile(filmPath(job, frame), job.spec, File::Mode::read).read(row, rect);
 }
 
 FilmFile FilmStore::open(const JobInfo& job, int32_t frame) {
     const fs::path path = filmPath(job, frame);
     const bool isNew = !fs::exists(path);
     makeFolder(path.parent_path());
-    FilmFile file(path, job.spec.image, File::Mode::readWrite);
+    FilmFile file(path, job.spec, File::Mode::readWrite);
     if (isNew) syncFolder(path.parent_path());
     return file;
 }
@@ -104,6 +108,7 @@ std::pair<std::string, std::vector<uint64_t>> FilmStore::hold(const std::vector<
     for (const PassFilm* pass : passes) {
         offsets.push_back(file.position());
         file.write(std::as_bytes(std::span(pass->pixels)));
+        file.write(std::as_bytes(std::span(pass->extra)));
     }
     file.commit();
     return {name, offsets};
@@ -112,8 +117,12 @@ std::pair<std::string, std::vector<uint64_t>> FilmStore::hold(const std::vector<
 PassFilm FilmStore::readHeld(const JobInfo& job, const PassRow& row) const {
     PassFilm pass{.tile = row.tile, .rect = job.grid.rect(row.tile), .samples = row.samples, .pixels = {}};
     pass.pixels.resize(pass.rect.area());
-    File(folder_ / "held" / row.held->file, File::Mode::read)
-        .readAt(row.held->offset, std::as_writable_bytes(std::span(pass.pixels)));
+    pass.layout = filmLayoutOf(job.spec);
+    pass.extra.resize(pass.rect.area() * pass.layout.floats());
+    const File file(folder_ / "held" / row.held->file, File::Mode::read);
+    const auto pixels = std::as_writable_bytes(std::span(pass.pixels));
+    file.readAt(row.held->offset, pixels);
+    file.readAt(row.held->offset + pixels.size(), std::as_writable_bytes(std::span(pass.extra)));
     return pass;
 }
 

@@ -19,7 +19,7 @@ namespace tilefarm {
 /// neighbour's bytes.
 class FilmFile {
 public:
-    FilmFile(const std::filesystem::path& path, const ImageSpec& image, File::Mode mode);
+    FilmFile(const std::filesystem::path& path, const JobSpec& spec, File::Mode mode);
     /// Throws Error(internal) if the slot holds something else than the row says.
     FilmTile read(const TileRow& row, const Rect& rect) const;
     void write(uint32_t tile, uint32_t slot, const FilmTile& film);
@@ -28,6 +28,7 @@ public:
 
 private:
     uint64_t offset(uint32_t tile, uint32_t slot) const;
+    FilmLayout layout_;
     uint64_t slotBytes_;
     File file_;
 };

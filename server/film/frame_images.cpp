@@ -10,6 +10,7 @@
 #include "shared/file/durable_file.h"
 #include "shared/image/png.h"
 #include "shared/job/wire.h"
+#include "shared/matte/scene_names.h"
 
 namespace tilefarm {
 
@@ -28,9 +29,14 @@ std::string join(const std::set<std::string>& words) {
 
 }  // namespace
 
-FrameImages::FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const Clock& clock,
-                         fs::path folder)
-    : store_(store), scheduler_(scheduler), films_(films), clock_(clock), folder_(std::move(folder)) {
+FrameImages::FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const BlobStore& blobs,
+                         const Clock& clock, fs::path folder)
+    : store_(store),
+      scheduler_(scheduler),
+      films_(films),
+      blobs_(blobs),
+      clock_(clock),
+      folder_(std::move(folder)) {
     fs::remove_all(folder_ / "cache");
     makeFolder(folder_ / "cache");
     makeFolder(folder_ / "images");
@@ -59,6 +65,29 @@ FilmTile FrameImages::tile(const Frame& frame, uint32_t index) const {
     store_.read([&](const ConstTables& t) { row = t.frames.tile(frame.job.key, frame.row.frame, index); });
     if (!row) throw Error(ErrorCode::conflict, "the frame was completed meanwhile");
     return films_.read(*frame.info, frame.row.frame, *row);
+}
+
+// A scene's names are those of all its frames.
+FrameContents FrameImages::contents(const Frame& frame) {
+    const JobSpec& spec = frame.info->spec;
+    FrameContents contents{.layout = filmLayoutOf(spec), .metadata = {}};
+    if (!contents.layout.cryptomatte) return contents;
+    const std::scoped_lock lock(naming_);
+    if (lastMetadata_.first != frame.job.id) {
+        const std::string& sha256 = spec.scene.files.at(spec.scene.entry);
+        const GltfBytes gltf{
+            blobs_.size(sha256).value_or(0),
+            [&](uint64_t offset, std::span<std::byte> into) { blobs_.read(sha256, offset, into); }};
+        lastMetadata_ = {frame.job.id, matteMetadata(gltf, spec)};
+    }
+    contents.metadata = lastMetadata_.second;
+    return contents;
+}
+
+void FrameImages::write(const fs::path& path, const Frame& frame) {
+    writeFrameExr(
+        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame),
+        contents(frame));
 }
 
 ImageAttributes FrameImages::attributes(const Frame& frame) const {
@@ -122,8 +151,7 @@ ImageFile FrameImages::partialExr(const Frame& frame) {
     }
     const TimePoint begin = clock_.now();
     const fs::path path = folder_ / "cache" / name;
-    writeFrameExr(
-        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame));
+    write(path, frame);
     auto file = std::make_shared<File>(path, File::Mode::read);
     const ImageFile image{file, file->size(), sha256OfFile(path), true};
     fs::remove(path);  // lives on while somebody holds it open
@@ -192,8 +220,7 @@ std::vector<std::string> FrameImages::finishFrames() {
 void FrameImages::finish(const Frame& frame) {
     const fs::path path = finalPath(frame);
     makeFolder(path.parent_path());
-    writeFrameExr(
-        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame));
+    write(path, frame);
     films_.reached("image written");
     scheduler_.frameWritten(frame.job.key, frame.row.frame, sha256OfFile(path), fs::file_size(path));
     films_.reached("frame completed");

@@ -9,6 +9,7 @@
 
 #include "server/film/film_store.h"
 #include "server/queue/scheduler.h"
+#include "server/store/blob_store.h"
 #include "shared/image/exr.h"
 #include "shared/image/tone.h"
 
@@ -33,8 +34,9 @@ struct Picture {
 /// bounded to a few per cent of one core.
 class FrameImages {
 public:
-    FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const Clock& clock,
-                std::filesystem::path folder);
+    /// `blobs`: where the scenes' files are, for the names in their mattes.
+    FrameImages(JobStore& store, Scheduler& scheduler, FilmStore& films, const BlobStore& blobs,
+                const Clock& clock, std::filesystem::path folder);
 
     /// Throw Error(notFound) for an unknown job, or a frame without a film yet.
     ImageFile exr(const std::string& jobId, int32_t frame);
@@ -61,6 +63,8 @@ private:
 
     Frame find(const std::string& jobId, int32_t frame) const;
     FilmTile tile(const Frame& frame, uint32_t index) const;
+    FrameContents contents(const Frame& frame);
+    void write(const std::filesystem::path& path, const Frame& frame);
     ImageAttributes attributes(const Frame& frame) const;
     std::filesystem::path finalPath(const Frame& frame) const;
     ImageFile finalExr(const Frame& frame) const;
@@ -72,10 +76,13 @@ private:
     JobStore& store_;
     Scheduler& scheduler_;
     FilmStore& films_;
+    const BlobStore& blobs_;
     const Clock& clock_;
     std::filesystem::path folder_;
 
     std::mutex making_;  // guards what follows, and memory: one image at a time
+    std::mutex naming_;  // guards the next line
+    std::pair<std::string, std::map<std::string, std::string>> lastMetadata_;  // of mattes, by the job's id
     std::map<std::string, std::pair<Made, ImageFile>> partial_;
     std::map<std::string, std::pair<Made, Picture>> pictures_;
 };

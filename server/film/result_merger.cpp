@@ -20,6 +20,7 @@ std::string nameOf(const PassFilm& film) {
 void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& films) {
     std::set<std::pair<uint32_t, uint32_t>> wanted;
     for (const LeasedPass& pass : target.lease.passes) wanted.emplace(pass.tile, pass.samples.first);
+    const FilmLayout layout = filmLayoutOf(target.job->spec);
     for (const PassFilm& film : films) {
         const bool ofLease = wanted.erase({film.tile, film.samples.first}) == 1 &&
                              *target.job->level(film.samples.first) == film.samples;
@@ -28,6 +29,10 @@ void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& fil
         if (film.rect != target.job->grid.rect(film.tile)) {
             throw Error(ErrorCode::unprocessable, nameOf(film) + " does not cover its tile");
         }
+        if (film.layout != layout)
+            throw Error(ErrorCode::unprocessable, nameOf(film) + " has the further channels " +
+                                                      film.layout.text() + ", but the job's are " +
+                                                      layout.text());
     }
     if (films.empty()) throw Error(ErrorCode::unprocessable, "the result holds no pass");
 }
@@ -161,8 +166,9 @@ void ResultMerger::mergeTile(const ResultTarget& target, TileMerge& tile, std::v
 
     std::optional<FilmTile> film;
     if (fresh.front()->samples.first == tile.before.mergedSamples) {
-        film = tile.before.mergedSamples == 0 ? FilmTile(job.grid.rect(tile.before.tile))
-                                              : file.read(tile.before, job.grid.rect(tile.before.tile));
+        film = tile.before.mergedSamples == 0
+                   ? FilmTile(job.grid.rect(tile.before.tile), filmLayoutOf(job.spec))
+                   : file.read(tile.before, job.grid.rect(tile.before.tile));
     }
     while (film) {
         if (const PassFilm* pass = next(film->mergedSamples)) {

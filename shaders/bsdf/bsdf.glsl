@@ -179,8 +179,8 @@ vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
     return colour * transmissionEval(b.facets, h, wo, wi, b.face.eta);
 }
 
-// The lobes that cosine lobes sample, on either side.
-vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
+// The lobes that cosine lobes sample, on either side; `diffuse`: what the diffuse base has in it.
+vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf, out vec3 diffuse) {
     vec3 f = vec3(0);
     vec2 albedos = has(FEATURE_SPECULAR) ? albedosAt(b, abs(wi.z)) : vec2(0);
     bool lit = true;
@@ -195,18 +195,24 @@ vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
     }
     if (has(FEATURE_SPECULAR) && lit && b.albedoTable != NO_INDEX) {
         f *= max(couplingAt(b.compensation.coupling, albedos), 0.0);
+        diffuse = f;
         if (hasMultiple() && b.compensation.multiple.present)
             f += multipleEval(b.compensation.multiple, b.face, b.alpha, wi, albedos);
+    } else {
+        diffuse = f;
     }
     return f;
 }
 
-// All rough lobes at once; pdf as bsdfSample has it.
-vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
+// All rough lobes at once; pdf as bsdfSample has it. `diffuse`: what the diffuse base has in it.
+vec3 bsdfEvalParts(Bsdf b, vec3 wo, vec3 wi, out float pdf, out vec3 diffuse) {
     pdf = 0.0;
-    vec3 f = broadEval(b, wo, wi, pdf);
+    vec3 f = broadEval(b, wo, wi, pdf, diffuse);
     if (has(FEATURE_SPECULAR) && !b.mirror && b.facetChance > 0.0) f += facetsEval(b, wo, wi, pdf);
-    if (hasLayers()) f *= b.below;
+    if (hasLayers()) {
+        f *= b.below;
+        diffuse *= b.below;
+    }
     if (hasSheen() && b.sheenChance > 0.0 && wi.z > 0.0) {
         f += b.belowCoat * sheenEval(b.sheen, wo, wi);
         pdf += b.sheenChance * sheenPdf(b.sheen, wi);
@@ -216,6 +222,11 @@ vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
         pdf += b.coatChance * coatPdf(b.coat, wo, wi);
     }
     return f;
+}
+
+vec3 bsdfEval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
+    vec3 diffuse;
+    return bsdfEvalParts(b, wo, wi, pdf, diffuse);
 }
 
 // Direction of the microfacet lobes given the sampled normal h; false where light cannot go.

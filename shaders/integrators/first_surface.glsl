@@ -13,6 +13,7 @@ bool firstSurface(SampleKey key, vec3 origin, vec3 direction, out Hit hit, out S
 PathSample nothingSeen() { return PathSample(vec3(0), vec3(0), vec3(0), 0.0, 0.0); }
 
 PathSample seenAs(vec3 radiance, Surface s, MaterialPoint m, float t) {
+    noteFirstSurface(s);
     return PathSample(radiance, m.baseColor, s.frame[2], t, 1.0);
 }
 

@@ -2,6 +2,7 @@
 #ifndef DIRECT_LIGHT_GLSL
 #define DIRECT_LIGHT_GLSL
 
+#include "light_paths.glsl"
 #include "medium.glsl"
 
 // The side on which a surface sees lights, for lightPmf; zero for both.
@@ -33,42 +34,55 @@ vec3 shadowTransmittance(LightSample l, Medium medium) {
     return left;
 }
 
-// BSDF times cosine towards wi in the shading frame, or the phase function.
-vec3 scattered(Surface s, Bsdf bsdf, vec3 wo, vec3 wi, out float pdf) {
-    if (!isFogPoint(s)) return bsdfEval(bsdf, wo, wi, pdf);
+// BSDF times cosine towards wi in the shading frame, with the diffuse base's part in it, or the phase function.
+vec3 scattered(Surface s, Bsdf bsdf, vec3 wo, vec3 wi, out float pdf, out vec3 diffuse) {
+    if (!isFogPoint(s)) return bsdfEvalParts(bsdf, wo, wi, pdf, diffuse);
+    diffuse = vec3(0);
     pdf = phasePdf(fogAnisotropy(), -wo, wi);
     return vec3(pdf);
 }
 
-// What a sampled point of a light sends along the path, weighted against the BSDF's finding it.
-vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
+// What a sampled point of a light sends along the path, weighted against the BSDF's finding it. Its parts are added to
+// `parts`.
+vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media,
+                  inout FirstScattering parts) {
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
     if (!isFogPoint(s) && dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
     if (has(FEATURE_BSDF_SAMPLING_ONLY) && l.pdf > 0.0) return vec3(0);
     float pdf;
-    vec3 f = scattered(s, bsdf, wo, wi, pdf);
+    vec3 diffuse, f = scattered(s, bsdf, wo, wi, pdf, diffuse);
     if (!(maxComponent(f) > 0.0)) return vec3(0);
     float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
     if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG))
         contribution *= shadowTransmittance(l, wi.z > 0.0 || isFogPoint(s) ? media.near : media.far);
-    return maxComponent(contribution) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, bounce)) ? contribution : vec3(0);
+    if (!(maxComponent(contribution) > 0.0) || occluded(l, s.primitive, cutoutKey(key, bounce))) return vec3(0);
+    if (has(FEATURE_LIGHT_PATHS)) {
+        if (isFogPoint(s))
+            parts.volume += contribution;
+        else if (wi.z < 0.0)
+            parts.transmitted += contribution;
+        else
+            parts.diffuse += contribution * shareOf(diffuse, f);
+    }
+    return contribution;
 }
 
-// Light that arrives straight from the lights.
-vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media) {
+// Light that arrives straight from the lights; `parts`: of the surface's lobes in it.
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media, out FirstScattering parts) {
+    parts = noScattering();
     // Of the kinds of lights only those without extent are left to this.
     if (has(FEATURE_BSDF_SAMPLING_ONLY) && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
     LightSample l;
     if (has(FEATURE_ALL_LIGHTS)) {
         vec3 sum = vec3(0);
         for (uint light = 0u; light < parameters.path.z; light++)
-            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media);
+            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
         return sum;
     }
     if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
-    return lightThrough(l, key, bounce, s, bsdf, wo, media);
+    return lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
 }
 
 #endif

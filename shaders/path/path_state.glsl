@@ -2,6 +2,7 @@
 #ifndef PATH_STATE_GLSL
 #define PATH_STATE_GLSL
 
+#include "light_paths.glsl"
 #include "medium.glsl"
 
 struct PathState {
@@ -16,9 +17,14 @@ struct PathState {
     vec3 side;
     uint channel;       // the only one left after dispersion; 3: all
     uint bounce;        // how many times it has scattered
+    FirstScattering first;  // with FEATURE_LIGHT_PATHS
 };
 
 // Every light that reaches the camera comes by here. `scatterings`: how often it did between light and camera.
-void gather(inout PathState path, vec3 light, uint scatterings) { path.radiance += path.throughput * light; }
+void gather(inout PathState path, vec3 light, uint scatterings) {
+    vec3 radiance = path.throughput * light;
+    if (has(FEATURE_LIGHT_PATHS)) splitLight(path.first, radiance, scatterings);
+    path.radiance += radiance;
+}
 
 #endif

@@ -23,6 +23,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
         rejectedCount++;
         return false;
     }
+    if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = sharesAlong(bsdf, wo, b.wi, b.delta);
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
@@ -40,6 +41,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
 
 // Scatters the path at a point in fog. False: the path ends.
 bool scatterInFog(inout PathState path, vec3 position, vec4 u) {
+    if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = scatteredInFog();
     path.ray.direction = phaseSample(fogAnisotropy(), path.ray.direction, u.xy, path.pdf);
     path.ray.origin = position;
     path.ray.skipPrimitive = kNoPrimitive;

@@ -37,6 +37,53 @@ const char* faultOf(const PassPixel& p, uint32_t samples) {
     return nullptr;
 }
 
+// A pair is free or an id that a hash gives (Cryptomatte 1.2: a float that is finite and not denormal) with
+// some of the pixel's samples.
+const char* pairsFaultOf(std::span<const float> pairs, float samples) {
+    float counted = 0;
+    for (size_t i = 0; i < pairs.size(); i += 2) {
+        const float id = pairs[i], count = pairs[i + 1];
+        if (id == 0 && count == 0) continue;
+        if (!std::isnormal(id)) return "an id is not one that a hash gives";
+        if (!(count >= 1 && count <= samples) || count != std::floor(count))
+            return "an id's sample count is not a whole number up to that of the pixel";
+        for (size_t j = 0; j < i; j += 2)
+            if (pairs[j] == id) return "an id stands twice";
+        counted += count;
+    }
+    return counted <= samples ? nullptr : "its ids count more samples than it has";
+}
+
+const char* extraFaultOf(std::span<const float> extra, const FilmLayout& layout, float samples) {
+    const auto means = extra.first(layout.means());
+    if (!std::all_of(means.begin(), means.end(), [](float value) { return std::isfinite(value); }))
+        return "a mean of the further channels is NaN or infinite";
+    for (size_t first = means.size(); first < extra.size(); first += 2 * kMatteRanks)
+        if (const char* fault = pairsFaultOf(extra.subspan(first, 2 * kMatteRanks), samples)) return fault;
+    return nullptr;
+}
+
+// Adds what a pass counted of its ids to the kept ones, where there is room.
+void mergePairs(std::span<double> kept, std::span<const float> pass) {
+    for (size_t p = 0; p < pass.size(); p += 2) {
+        if (pass[p + 1] == 0) continue;
+        size_t k = 0;
+        while (k < kept.size() && kept[k] != pass[p] && kept[k + 1] != 0) k += 2;
+        if (k == kept.size()) continue;
+        kept[k] = pass[p];
+        kept[k + 1] += pass[p + 1];
+    }
+}
+
+// `share`: of the pass in the union of samples.
+void mergeExtra(std::span<double> extra, std::span<const float> pass, const FilmLayout& layout,
+                double share) {
+    const uint32_t means = layout.means();
+    for (uint32_t c = 0; c < means; ++c) extra[c] += (pass[c] - extra[c]) * share;
+    for (size_t first = means; first < extra.size(); first += 2 * kMatteRanks)
+        mergePairs(extra.subspan(first, 2 * kMatteRanks), pass.subspan(first, 2 * kMatteRanks));
+}
+
 // Mean of a set of n samples after one of `count` samples with mean `passMean` joins it.
 template <size_t N>
 void mergeMeans(std::array<double, N>& mean, const std::array<float, N>& passMean, double share) {
@@ -95,10 +142,16 @@ void requireUsable(const PassFilm& pass) {
     };
     if (pass.pixels.size() != pass.rect.area())
         refuse(fmt::format("{} pixels for a rectangle of {}", pass.pixels.size(), pass.rect.area()));
-    for (size_t i = 0; i < pass.pixels.size(); ++i)
-        if (const char* fault = faultOf(pass.pixels[i], pass.samples.count))
+    if (pass.extra.size() != pass.pixels.size() * pass.layout.floats())
+        refuse(fmt::format("{} further values for {} pixels of {}", pass.extra.size(), pass.pixels.size(),
+                           pass.layout.floats()));
+    for (size_t i = 0; i < pass.pixels.size(); ++i) {
+        const char* fault = faultOf(pass.pixels[i], pass.samples.count);
+        if (!fault) fault = extraFaultOf(pass.extraOf(i), pass.layout, pass.pixels[i].count);
+        if (fault)
             refuse(fmt::format("pixel ({}, {}): {}", pass.rect.x + i % pass.rect.width,
                                pass.rect.y + i / pass.rect.width, fault));
+    }
 }
 
 void FilmTile::merge(const PassFilm& pass) {
@@ -112,8 +165,18 @@ void FilmTile::merge(const PassFilm& pass) {
         throw Error(ErrorCode::conflict,
                     fmt::format("tile {} has samples up to {} merged; a pass from {} does not follow",
                                 pass.tile, mergedSamples, pass.samples.first));
+    if (pass.layout != layout)
+        throw Error(
+            ErrorCode::unprocessable,
+            fmt::format("film of tile {}, samples {}+{}: its further channels are {}, but the job's {}",
+                        pass.tile, pass.samples.first, pass.samples.count, pass.layout.text(),
+                        layout.text()));
     requireUsable(pass);
-    for (size_t i = 0; i < pixels.size(); ++i) pixels[i].merge(pass.pixels[i], pass.samples.count);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        pixels[i].merge(pass.pixels[i], pass.samples.count);
+        if (!extra.empty() && pass.pixels[i].count > 0)
+            mergeExtra(extraOf(i), pass.extraOf(i), layout, pass.pixels[i].count / pixels[i].count);
+    }
     mergedSamples = pass.samples.end();
 }
 

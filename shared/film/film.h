@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "shared/film/layout.h"
 #include "shared/job/pass_schedule.h"
 
 namespace tilefarm {
@@ -49,11 +51,17 @@ struct PassFilm {
     SampleRange samples;
     std::vector<PassPixel> pixels{};  // rect.width * rect.height, rows from the top
     PassFaults faults{};
+    FilmLayout layout{};
+    std::vector<float> extra{};  // layout.floats() for each pixel
+
+    std::span<const float> extraOf(size_t pixel) const {
+        return std::span(extra).subspan(pixel * layout.floats(), layout.floats());
+    }
 };
 
 /// Throws Error(unprocessable) that names tile and pixel where a film is not what a kernel can leave:
-/// the wrong number of pixels, a NaN or infinite mean, a count beyond that of the pass. What a server
-/// asks of an upload before it keeps it.
+/// the wrong number of pixels, a NaN or infinite mean, a count beyond that of the pass, ids that stand
+/// twice. What a server asks of an upload before it keeps it.
 void requireUsable(const PassFilm& pass);
 
 /// One pixel of a frame: everything in double, since it takes thousands of merges.
@@ -82,11 +90,21 @@ struct FilmTile {
     Rect rect;
     uint32_t mergedSamples = 0;  // passes covering [0, mergedSamples) are in
     std::vector<FilmPixel> pixels;
+    FilmLayout layout;
+    std::vector<double> extra;  // as PassFilm::extra
 
-    explicit FilmTile(Rect r = {}) : rect(r), pixels(r.area()) {}
+    explicit FilmTile(Rect r = {}, const FilmLayout& l = {})
+        : rect(r), pixels(r.area()), layout(l), extra(r.area() * l.floats()) {}
     /// Throws Error(conflict) unless pass.samples.first == mergedSamples, Error(unprocessable) if
-    /// the rectangles differ or requireUsable refuses it; the tile is then as before.
+    /// rectangles or layouts differ or requireUsable refuses it; the tile is then as before.
+    /// Of the ids that a pixel's samples meet the first kMatteRanks are kept, in the order of samples, so
+    /// that no cut into tiles or leases shows; samples of further ones are counted nowhere. (A pass keeps the
+    /// first that it meets itself: where there are more, some samples of the kept ones are missing too.)
     void merge(const PassFilm& pass);
+
+    std::span<double> extraOf(size_t pixel) {
+        return std::span(extra).subspan(pixel * layout.floats(), layout.floats());
+    }
 };
 
 /// Sums over pixels from which the error estimate of a frame comes; adding tiles in any grouping

@@ -121,28 +121,75 @@ constexpr std::array kFrameChannels{
     FrameChannel{"Z", [](const FilmPixel& p) { return p.depth; }},
 };
 
-// A row of tiles as planes of the image's width.
-struct TileRow {
-    Rect rect;
-    std::array<std::vector<float>, kFrameChannels.size()> planes;
+// Sorts a pixel's pairs of id and count by falling count, and makes counts coverage. Ids decide between
+// equals, so that the order is that of every run.
+void rank(std::span<double> pairs, double samples) {
+    std::array<std::pair<double, double>, kMatteRanks> ranks;  // count, id
+    for (size_t i = 0; i < ranks.size(); ++i) ranks[i] = {pairs[2 * i + 1], pairs[2 * i]};
+    std::sort(ranks.begin(), ranks.end(), std::greater<>());
+    for (size_t i = 0; i < ranks.size(); ++i) {
+        pairs[2 * i] = ranks[i].second;
+        pairs[2 * i + 1] = samples > 0 ? ranks[i].first / samples : 0;
+    }
+}
+
+void rankMattes(FilmTile& tile) {
+    if (tile.layout.pairs() == 0) return;
+    for (size_t i = 0; i < tile.pixels.size(); ++i) {
+        const std::span<double> extra = tile.extraOf(i);
+        for (size_t at = tile.layout.means(); at < extra.size(); at += 2 * kMatteRanks)
+            rank(extra.subspan(at, 2 * kMatteRanks), tile.pixels[i].count);
+    }
+}
+
+// A row of tiles as planes of the image's width: those of kFrameChannels, then those of the layout. What else
+// a frame may hold (a denoised picture) would be further planes after these.
+class TileRow {
+public:
+    explicit TileRow(const FilmLayout& layout) : layout_(layout) {
+        for (const FrameChannel& channel : kFrameChannels) names_.emplace_back(channel.name);
+        for (std::string& name : layout.channels()) names_.push_back(std::move(name));
+        planes_.resize(names_.size());
+    }
+
+    const std::vector<std::string>& names() const { return names_; }
+    const FilmLayout& layout() const { return layout_; }
+
+    void begin(const Rect& rect) {
+        rect_ = rect;
+        for (auto& plane : planes_) plane.resize(rect.area());
+    }
 
     void place(const FilmTile& tile) {
-        const Rect& r = tile.rect;
-        for (size_t c = 0; c < planes.size(); ++c)
-            for (uint32_t y = 0; y < r.height; ++y)
-                for (uint32_t x = 0; x < r.width; ++x)
-                    planes[c][size_t{y} * rect.width + r.x + x] =
-                        static_cast<float>(kFrameChannels[c].of(tile.pixels[size_t{y} * r.width + x]));
+        const size_t own = kFrameChannels.size(), floats = layout_.floats();
+        for (size_t c = 0; c < own; ++c)
+            fill(planes_[c], tile.rect,
+                 [&](size_t pixel) { return kFrameChannels[c].of(tile.pixels[pixel]); });
+        for (size_t c = 0; c < floats; ++c)
+            fill(planes_[own + c], tile.rect, [&](size_t pixel) { return tile.extra[pixel * floats + c]; });
     }
 
     Imf::FrameBuffer frameBuffer() {
-        const Imath::V2i origin(0, static_cast<int>(rect.y));
+        const Imath::V2i origin(0, static_cast<int>(rect_.y));
         Imf::FrameBuffer buffer;
-        for (size_t c = 0; c < planes.size(); ++c)
-            buffer.insert(kFrameChannels[c].name,
-                          Imf::Slice::Make(Imf::FLOAT, planes[c].data(), origin, rect.width, rect.height));
+        for (size_t c = 0; c < planes_.size(); ++c)
+            buffer.insert(names_[c],
+                          Imf::Slice::Make(Imf::FLOAT, planes_[c].data(), origin, rect_.width, rect_.height));
         return buffer;
     }
+
+private:
+    template <typename Of>
+    void fill(std::vector<float>& plane, const Rect& r, Of&& of) {
+        for (uint32_t y = 0; y < r.height; ++y)
+            for (uint32_t x = 0; x < r.width; ++x)
+                plane[size_t{y} * rect_.width + r.x + x] = static_cast<float>(of(size_t{y} * r.width + x));
+    }
+
+    FilmLayout layout_;
+    Rect rect_;
+    std::vector<std::string> names_;
+    std::vector<std::vector<float>> planes_;
 };
 
 // ---- Reading
@@ -195,6 +242,14 @@ ImageAttributes attributesOf(const Imf::Header& header) {
     return attributes;
 }
 
+ImageAttributes metadataOf(const Imf::Header& header) {
+    ImageAttributes entries;
+    for (auto a = header.begin(); a != header.end(); ++a)
+        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
+            entries[a.name()] = text->value();
+    return entries;
+}
+
 // Turns whatever goes wrong while reading into one Error that names the file.
 template <typename Read>
 auto reading(const std::string& name, Read&& read) {
@@ -241,27 +296,28 @@ std::vector<std::byte> bytesOf(const fs::path& path) {
 }  // namespace
 
 void writeFrameExr(const fs::path& path, const ImageSpec& image, const TileSource& tiles,
-                   const ImageAttributes& attributes) {
+                   const ImageAttributes& attributes, const FrameContents& contents) {
     Imf::Header header = headerOf(image.width, image.height, attributes);
-    for (const FrameChannel& channel : kFrameChannels)
-        header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+    for (const auto& [name, value] : contents.metadata) header.insert(name, Imf::StringAttribute(value));
+    TileRow row(contents.layout);
+    for (const std::string& name : row.names()) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
 
     const TileGrid grid(image);
     writeWhole(path, header, [&](Imf::OutputFile& exr) {
-        TileRow row;
         for (uint32_t r = 0; r < grid.rows; ++r) {
             const Rect left = grid.rect(r * grid.columns);
-            row.rect = {0, left.y, image.width, left.height};
-            for (auto& plane : row.planes) plane.resize(row.rect.area());
+            row.begin({0, left.y, image.width, left.height});
             for (uint32_t c = 0; c < grid.columns; ++c) {
                 const uint32_t index = r * grid.columns + c;
-                const FilmTile tile = tiles(index);
-                if (tile.rect != grid.rect(index) || tile.pixels.size() != tile.rect.area())
+                FilmTile tile = tiles(index);
+                if (tile.rect != grid.rect(index) || tile.pixels.size() != tile.rect.area() ||
+                    tile.layout != row.layout())
                     throw Error(ErrorCode::internal, fmt::format("tile {} is not of this image", index));
+                rankMattes(tile);
                 row.place(tile);
             }
             exr.setFrameBuffer(row.frameBuffer());
-            exr.writePixels(static_cast<int>(row.rect.height));
+            exr.writePixels(static_cast<int>(left.height));
         }
     });
 }
@@ -292,6 +348,11 @@ FloatImage readExr(std::span<const std::byte> bytes, const std::string& nameForE
 ImageAttributes readExrAttributes(const fs::path& path) {
     return readingFile(path.string(), bytesOf(path),
                        [](Imf::InputFile& exr) { return attributesOf(exr.header()); });
+}
+
+ImageAttributes readExrMetadata(const fs::path& path) {
+    return readingFile(path.string(), bytesOf(path),
+                       [](Imf::InputFile& exr) { return metadataOf(exr.header()); });
 }
 
 }  // namespace tilefarm

@@ -19,13 +19,20 @@ using ImageAttributes = std::map<std::string, std::string>;
 /// Gives one tile of the frame; called once per tile, row of tiles by row of tiles from the top.
 using TileSource = std::function<FilmTile(uint32_t tile)>;
 
+/// What the file of a frame holds beyond the channels that every one has.
+struct FrameContents {
+    FilmLayout layout{};                            // of the tiles
+    std::map<std::string, std::string> metadata{};  // further header entries, by their full names
+};
+
 /// Writes a frame as a scanline EXR (fp32, ZIP) a row of tiles at a time, so memory holds one row of
 /// tiles and not the frame. Channels: R G B A, variance.R variance.G variance.B (of the mean),
-/// samples, albedo.R albedo.G albedo.B, normal.X normal.Y normal.Z, Z (depth). Written to a
+/// samples, albedo.R albedo.G albedo.B, normal.X normal.Y normal.Z, Z (depth), and those of
+/// `contents.layout`: ids by falling coverage, beside their coverage from 0 to 1. Written to a
 /// temporary file beside `path`, synced, then renamed: `path` is whole or absent.
 /// Throws Error(outOfSpace | internal) that names the file.
 void writeFrameExr(const std::filesystem::path& path, const ImageSpec& image, const TileSource& tiles,
-                   const ImageAttributes& attributes);
+                   const ImageAttributes& attributes, const FrameContents& contents = {});
 
 /// Reads every channel of the first part of an EXR as fp32. Throws Error(invalidArgument) that names
 /// the file and the fault, also for truncated and hostile files.
@@ -33,8 +40,11 @@ FloatImage readExr(const std::filesystem::path& path);
 FloatImage readExr(std::span<const std::byte> bytes, const std::string& nameForErrors);
 /// The "tilefarm.*" attributes of a file, without the prefix.
 ImageAttributes readExrAttributes(const std::filesystem::path& path);
+/// All header entries that are strings, by their full names.
+ImageAttributes readExrMetadata(const std::filesystem::path& path);
 /// Writes any planes (fp32, ZIP); for tests and tools.
-void writeExr(const std::filesystem::path& path, const FloatImage& image, const ImageAttributes& attributes = {});
+void writeExr(const std::filesystem::path& path, const FloatImage& image,
+              const ImageAttributes& attributes = {});
 
 /// The upload of a worker: one EXR, a part per pass and tile with its data window in the frame, fp32,
 /// uncompressed (compressing costs more CPU than a local network saves). Bit-exact round trip.

@@ -39,7 +39,13 @@ struct Channel {
     size_t offset;  // bytes within PassPixel
 };
 
-// By name, as the lines of a chunk are ordered.
+// Where the line of a channel comes from: a float of PassPixel, or one of the further ones.
+struct Line {
+    std::string name;
+    bool further;
+    size_t offset;  // bytes within the pixel's
+};
+
 constexpr size_t at(size_t firstFloat, size_t i = 0) {
     return (firstFloat + i) * sizeof(float);
 }
@@ -52,8 +58,6 @@ constexpr std::array kChannels{
     Channel{"samples", at(3)},
 };
 static_assert(kChannels.size() * sizeof(float) == sizeof(PassPixel));
-static_assert(std::is_sorted(kChannels.begin(), kChannels.end(),
-                             [](const Channel& a, const Channel& b) { return a.name < b.name; }));
 static_assert(offsetof(PassPixel, count) == at(3) && offsetof(PassPixel, m2) == at(4) &&
               offsetof(PassPixel, m2Luminance) == at(7) && offsetof(PassPixel, albedo) == at(8) &&
               offsetof(PassPixel, depth) == at(11) && offsetof(PassPixel, normal) == at(12) &&
@@ -68,12 +72,28 @@ Box boxOf(const Rect& r) {
             static_cast<int32_t>(r.y + r.height) - 1};
 }
 
-// The value of the attribute `channels`, the same for every part.
-std::string channelList() {
+// One way to lay out a part.
+struct Layout {
+    FilmLayout film;
+    std::vector<Line> lines;  // by name, as the lines of a chunk are ordered
+    std::string channels;     // the value of the attribute `channels`
+};
+
+std::vector<Line> linesOf(const FilmLayout& layout) {
+    std::vector<Line> lines;
+    for (const Channel& channel : kChannels)
+        lines.push_back({std::string(channel.name), false, channel.offset});
+    for (const std::string& name : layout.channels())
+        lines.push_back({name, true, at(lines.size() - kChannels.size())});
+    std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.name < b.name; });
+    return lines;
+}
+
+std::string channelList(const std::vector<Line>& lines) {
     std::string list;
     const auto put = [&](int32_t value) { list.append(reinterpret_cast<const char*>(&value), sizeof value); };
-    for (const Channel& channel : kChannels) {
-        list += channel.name;
+    for (const Line& line : lines) {
+        list += line.name;
         list += '\0';
         put(kFloat);
         put(0);  // pLinear and three reserved bytes
@@ -82,6 +102,28 @@ std::string channelList() {
     }
     list += '\0';
     return list;
+}
+
+// All that a job can ask for.
+const std::vector<Layout>& layouts() {
+    static const std::vector<Layout> all = [] {
+        std::vector<Layout> made;
+        for (const FilmLayout& film : FilmLayout::all()) {
+            std::vector<Line> lines = linesOf(film);
+            std::string channels = channelList(lines);
+            made.push_back({film, std::move(lines), std::move(channels)});
+        }
+        return made;
+    }();
+    return all;
+}
+
+// The layout whose member is `value`, or nullptr.
+template <typename T>
+const Layout* layoutWith(T Layout::*member, const auto& value) {
+    const auto at = std::find_if(layouts().begin(), layouts().end(),
+                                 [&](const Layout& layout) { return layout.*member == value; });
+    return at == layouts().end() ? nullptr : &*at;
 }
 
 // ---- Writing
@@ -156,31 +198,48 @@ void writeHeader(Writer& out, const PassFilm& film, size_t part, const ImageSpec
     writeFaults(out, film.faults);
 }
 
-size_t chunkBytes(uint32_t width) {
-    return kChunkHeader + width * sizeof(PassPixel);
+size_t lineBytes(const PassFilm& film) {
+    return film.rect.width * (sizeof(PassPixel) + film.layout.floats() * sizeof(float));
+}
+size_t chunkBytes(const PassFilm& film) {
+    return kChunkHeader + lineBytes(film);
+}
+
+// Calls visit(a float of the film, its place in the chunk) for row `row`, channel after channel.
+template <typename Film, typename Visit>
+void forEachFloat(Film& film, uint32_t row, const std::vector<Line>& lines, Visit&& visit) {
+    const size_t first = size_t{row} * film.rect.width, width = film.rect.width;
+    const size_t furtherStride = film.layout.floats() * sizeof(float);
+    using Byte = std::conditional_t<std::is_const_v<Film>, const std::byte, std::byte>;
+    auto* const own = reinterpret_cast<Byte*>(film.pixels.data() + first);
+    auto* const further = reinterpret_cast<Byte*>(film.extra.data()) + first * furtherStride;
+    size_t place = 0;
+    for (const Line& line : lines) {
+        Byte* value = (line.further ? further : own) + line.offset;
+        const size_t stride = line.further ? furtherStride : sizeof(PassPixel);
+        for (size_t x = 0; x < width; ++x, place += sizeof(float), value += stride) visit(value, place);
+    }
 }
 
 // Pixels -> a line per channel.
-void scatter(const PassPixel* pixels, uint32_t width, std::byte* lines) {
-    const auto* source = reinterpret_cast<const std::byte*>(pixels);
-    for (const Channel& channel : kChannels)
-        for (uint32_t x = 0; x < width; ++x, lines += sizeof(float))
-            std::memcpy(lines, source + x * sizeof(PassPixel) + channel.offset, sizeof(float));
+void scatter(const PassFilm& film, uint32_t row, const std::vector<Line>& lines, std::byte* chunk) {
+    forEachFloat(film, row, lines, [chunk](const std::byte* value, size_t place) {
+        std::memcpy(chunk + place, value, sizeof(float));
+    });
 }
 
 // And back.
-void gather(const std::byte* lines, uint32_t width, PassPixel* pixels) {
-    auto* target = reinterpret_cast<std::byte*>(pixels);
-    for (const Channel& channel : kChannels)
-        for (uint32_t x = 0; x < width; ++x, lines += sizeof(float))
-            std::memcpy(target + x * sizeof(PassPixel) + channel.offset, lines, sizeof(float));
+void gather(const std::byte* chunk, const std::vector<Line>& lines, PassFilm& film, uint32_t row) {
+    forEachFloat(film, row, lines, [chunk](std::byte* value, size_t place) {
+        std::memcpy(value, chunk + place, sizeof(float));
+    });
 }
 
 void requireWritable(const PassFilm& film, const ImageSpec& image) {
     const Rect& r = film.rect;
     const bool inside =
         r.area() > 0 && uint64_t{r.x} + r.width <= image.width && uint64_t{r.y} + r.height <= image.height;
-    if (!inside || film.pixels.size() != r.area())
+    if (!inside || film.pixels.size() != r.area() || film.extra.size() != r.area() * film.layout.floats())
         throw Error(ErrorCode::internal, fmt::format("film of tile {} does not fit its image", film.tile));
 }
 
@@ -241,13 +300,13 @@ std::optional<PartHeader> readHeader(ExrBytes& in) {
 }
 
 PassFilm filmOf(const PartHeader& h) {
-    static const std::string expectedChannels = channelList();
     const auto require = [](bool good, const char* fault) {
         if (!good) throw std::runtime_error(fault);
     };
     require(h.type == "scanlineimage", "it is no scanline image");
     require(h.compression == uint8_t{0}, "it is compressed");
-    require(h.channels == expectedChannels, "its channels are not those of a pass film");
+    const Layout* layout = layoutWith(&Layout::channels, h.channels.value_or(""));
+    require(layout != nullptr, "its channels are not those of a pass film");
     require(h.tile && h.first && h.count, "it does not say its tile and samples");
     require(*h.tile >= 0 && *h.first >= 0 && *h.count >= 1 &&
                 *h.count <= static_cast<int32_t>(kMaxPassSamples) && *h.first <= (1 << 24),
@@ -260,6 +319,7 @@ PassFilm filmOf(const PartHeader& h) {
                 d.maxY <= image.maxY,
             "its data window is not within the image");
     PassFilm film;
+    film.layout = layout->film;
     film.tile = static_cast<uint32_t>(*h.tile);
     film.samples = {static_cast<uint32_t>(*h.first), static_cast<uint32_t>(*h.count)};
     film.rect = {static_cast<uint32_t>(d.minX), static_cast<uint32_t>(d.minY),
@@ -309,25 +369,28 @@ Headers readHeaders(ExrBytes& in) {
 // The bytes must be exactly those of all chunks: only then is memory taken for the pixels.
 void requireExactSize(const std::vector<PassFilm>& films, size_t bytesLeft) {
     uint64_t expected = 0;
-    for (const PassFilm& film : films)
-        expected += film.rect.height * (sizeof(uint64_t) + chunkBytes(film.rect.width));
+    for (const PassFilm& film : films) expected += film.rect.height * (sizeof(uint64_t) + chunkBytes(film));
     if (expected != bytesLeft)
         refuse({}, fmt::format("{} bytes follow the headers where {} are due", bytesLeft, expected));
 }
 
-void readChunk(ExrBytes& in, std::vector<PassFilm>& films, std::vector<std::vector<bool>>& seen) {
+// What one part needs while its chunks are read.
+struct OpenPart {
+    const std::vector<Line>* lines;
+    std::vector<bool> seen;
+};
+
+void readChunk(ExrBytes& in, std::vector<PassFilm>& films, std::vector<OpenPart>& open) {
     const auto part = in.get<uint32_t>("a chunk"), y = in.get<uint32_t>("a chunk"),
                size = in.get<uint32_t>("a chunk");
     if (part >= films.size()) refuse({}, fmt::format("a chunk of part {} of {}", part, films.size()));
     PassFilm& film = films[part];
     const uint32_t row = y - film.rect.y;  // wraps to a large number above the window
-    if (row >= film.rect.height || seen[part][row])
+    if (row >= film.rect.height || open[part].seen[row])
         refuse(part, fmt::format("line {} stands twice or outside", y));
-    if (size != film.rect.width * sizeof(PassPixel))
-        refuse(part, fmt::format("line {} has {} bytes", y, size));
-    seen[part][row] = true;
-    gather(in.take(size, "a line").data(), film.rect.width,
-           film.pixels.data() + size_t{row} * film.rect.width);
+    if (size != lineBytes(film)) refuse(part, fmt::format("line {} has {} bytes", y, size));
+    open[part].seen[row] = true;
+    gather(in.take(size, "a line").data(), *open[part].lines, film, row);
 }
 
 }  // namespace
@@ -339,13 +402,16 @@ std::vector<std::byte> encodePassFilms(std::span<const PassFilm> films, const Im
     size_t expected = 1024;
     for (const PassFilm& film : films) {
         requireWritable(film, image);
-        expected += 1024 + film.rect.height * (sizeof(uint64_t) + chunkBytes(film.rect.width));
+        if (film.layout != films.front().layout)
+            throw Error(ErrorCode::internal, "films of one result differ in their channels");
+        expected +=
+            1024 + film.layout.floats() * 64 + film.rect.height * (sizeof(uint64_t) + chunkBytes(film));
     }
 
     Writer out(expected);
     out.put(kExrMagic);
     out.put(kFormat | kMultiPart | kLongNames);
-    const std::string channels = channelList();
+    const auto& [layout, lines, channels] = *layoutWith(&Layout::film, films.front().layout);
     for (size_t part = 0; part < films.size(); ++part) {
         writeHeader(out, films[part], part, image, channels);
         if (part == 0)
@@ -358,16 +424,15 @@ std::vector<std::byte> encodePassFilms(std::span<const PassFilm> films, const Im
     uint64_t chunk = out.size();
     for (const PassFilm& film : films) chunk += film.rect.height * sizeof(uint64_t);
     for (const PassFilm& film : films)
-        for (uint32_t y = 0; y < film.rect.height; ++y, chunk += chunkBytes(film.rect.width)) out.put(chunk);
+        for (uint32_t y = 0; y < film.rect.height; ++y, chunk += chunkBytes(film)) out.put(chunk);
 
     for (size_t part = 0; part < films.size(); ++part) {
         const Rect& r = films[part].rect;
         for (uint32_t y = 0; y < r.height; ++y) {
             out.put(static_cast<int32_t>(part));
             out.put(static_cast<int32_t>(r.y + y));
-            out.put(static_cast<int32_t>(r.width * sizeof(PassPixel)));
-            scatter(films[part].pixels.data() + size_t{y} * r.width, r.width,
-                    out.grow(r.width * sizeof(PassPixel)));
+            out.put(static_cast<int32_t>(lineBytes(films[part])));
+            scatter(films[part], y, lines, out.grow(lineBytes(films[part])));
         }
     }
     return out.take();
@@ -378,15 +443,17 @@ std::vector<PassFilm> decodePassFilms(std::span<const std::byte> bytes) {
     std::vector<PassFilm> films = readHeaders(in).films;
     requireExactSize(films, in.size());
 
-    std::vector<std::vector<bool>> seen(films.size());
+    std::vector<OpenPart> open(films.size());
     size_t lines = 0;
     for (size_t part = 0; part < films.size(); ++part) {
-        films[part].pixels.resize(films[part].rect.area());
-        seen[part].resize(films[part].rect.height);
-        lines += films[part].rect.height;
+        PassFilm& film = films[part];
+        film.pixels.resize(film.rect.area());
+        film.extra.resize(film.rect.area() * film.layout.floats());
+        open[part] = {&layoutWith(&Layout::film, film.layout)->lines, std::vector<bool>(film.rect.height)};
+        lines += film.rect.height;
     }
     in.take(lines * sizeof(uint64_t), "the table of offsets");  // chunks are read in the order they stand
-    for (size_t i = 0; i < lines; ++i) readChunk(in, films, seen);
+    for (size_t i = 0; i < lines; ++i) readChunk(in, films, open);
     return films;
 }
 

@@ -121,6 +121,11 @@ void checkFog(const FogSettings& fog, Faults& faults) {
                        fmt::format("is {}, not above min's {}", (*fog.max)[axis], (*fog.min)[axis]));
 }
 
+void checkOutput(const JobSpec& job, Faults& faults) {
+    if (job.output.lightPaths && job.settings.integrator != Integrator::path)
+        faults.add("/output/lightPaths", "is for the integrator path");
+}
+
 }  // namespace
 
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
@@ -138,6 +143,7 @@ void checkJob(const JobSpec& job, Faults& faults) {
     checkView(job.view, faults);
     checkMotion(job.motion, faults);
     checkIntegrator(job, faults);
+    checkOutput(job, faults);
     for (size_t i = 0; i < job.lights.size(); ++i)
         checkLight(job.lights[i], fmt::format("/lights/{}", i), faults);
     for (size_t i = 0; i < job.materials.size(); ++i)

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shared/error/error.h"
+#include "worker/render/output_features.h"
 #include "worker/scene/timeline.h"
 
 namespace tilefarm {
@@ -48,7 +49,7 @@ public:
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;
 
         renderer_.emplace(*device_, timeline_->scene(frame_, 0), camera, spec.image, spec.settings,
-                          alsoCompiled_);
+                          alsoCompiled_ | outputFeatures(filmLayoutOf(spec)));
         if (timeline_->steps() > 1) showScenes();
         PreparedScene prepared;
         prepared.counts = countsOf(scene);

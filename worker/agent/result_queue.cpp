@@ -6,7 +6,7 @@ namespace tilefarm {
 
 uint64_t FinishedResult::filmBytes() const {
     uint64_t bytes = 0;
-    for (const PassFilm& film : films) bytes += film.pixels.size() * sizeof(PassPixel);
+    for (const PassFilm& film : films) bytes += film.pixels.size() * sizeof(PassPixel) + film.extra.size() * sizeof(float);
     return bytes;
 }
 

@@ -9,8 +9,8 @@
 namespace tilefarm {
 namespace {
 
-// Films of one call are held in memory at 64 bytes a pixel.
-constexpr uint64_t kMostPixelsPerCall = uint64_t{1} << 20;
+// Films of one call are held in memory.
+constexpr uint64_t kMostBytesPerCall = uint64_t{1} << 26;
 // Long enough to keep a device busy, short enough to show progress.
 constexpr double kSecondsPerCall = 2;
 
@@ -25,8 +25,10 @@ public:
           onProgress_(onProgress),
           begin_(clock.now()),
           before_(backend.stats()),
-          grid_(spec.image) {
-        for (uint32_t tile = 0; tile < grid_.count(); ++tile) result_.tiles.emplace_back(grid_.rect(tile));
+          grid_(spec.image),
+          bytesPerPixel_(sizeof(PassPixel) + filmLayoutOf(spec).floats() * sizeof(float)) {
+        for (uint32_t tile = 0; tile < grid_.count(); ++tile)
+            result_.tiles.emplace_back(grid_.rect(tile), filmLayoutOf(spec));
         progress_.samplesInAll = uint64_t{spec.image.width} * spec.image.height * spec.stop.samples;
     }
 
@@ -58,7 +60,7 @@ private:
         for (uint32_t tile = first; tile < grid_.count(); ++tile, ++count) {
             pixels += grid_.rect(tile).area();
             if (count > 0 &&
-                (pixels > kMostPixelsPerCall || static_cast<double>(pixels * samples.count) > most))
+                (pixels * bytesPerPixel_ > kMostBytesPerCall || static_cast<double>(pixels * samples.count) > most))
                 break;
         }
         return count;
@@ -115,6 +117,7 @@ private:
     const TimePoint begin_;
     const RenderStats before_;
     const TileGrid grid_;
+    const uint64_t bytesPerPixel_;
     FrameProgress progress_;
     RenderedFrame result_;
 };

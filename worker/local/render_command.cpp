@@ -10,6 +10,7 @@
 #include "shared/image/png.h"
 #include "shared/job/numbered.h"
 #include "shared/job/wire.h"
+#include "shared/matte/scene_names.h"
 #include "worker/local/local_report.h"
 #include "worker/local/scene_bundle.h"
 
@@ -90,6 +91,17 @@ void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* ou
     }
 }
 
+FrameContents contentsOf(const JobSpec& spec, const fs::path& gltf) {
+    FrameContents contents{filmLayoutOf(spec), {}};
+    if (!contents.layout.cryptomatte) return contents;
+    const std::vector<std::byte> bytes = readWhole(gltf);
+    const auto read = [&](uint64_t offset, std::span<std::byte> into) {
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+    };
+    contents.metadata = matteMetadata(GltfBytes{bytes.size(), read}, spec);
+    return contents;
+}
+
 fs::path fileFor(const fs::path& path, const JobSpec& spec, int32_t frame) {
     return spec.frames.count > 1 && !path.empty() ? numbered(path, frame) : path;
 }
@@ -110,7 +122,7 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
         fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
     writeFrameExr(
         exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
-        localAttributes(spec, device.device(), frame));
+        localAttributes(spec, device.device(), frame), contentsOf(spec, render.files.entry));
     if (!png.empty()) writePng(png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
     if (!report.empty())
         writeDurably(report, localReport(spec, device.device(), scene, frame).dump(2) + "\n");

@@ -60,6 +60,9 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "Sobol sampler",
     "stratified sampler",
     "fog",
+    "light path channels",
+    "uv channel",
+    "Cryptomatte",
 };
 static_assert(!kNames.back().empty());
 

@@ -8,6 +8,7 @@
 #include "worker/render/environment_packer.h"
 #include "worker/render/light_packer.h"
 #include "worker/render/material_packer.h"
+#include "worker/render/matte_packer.h"
 #include "worker/render/shape_packer.h"
 #include "worker/render/vertex_packer.h"
 
@@ -163,6 +164,8 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
     to.add(TexelFormat::rgba32ui, lights.tree, "light tree");
     to.add(TexelFormat::rgba32ui, packShapes(world.shapes), "shapes");
+    const bool mattes = (result.features & gpu::bit(gpu::FEATURE_CRYPTOMATTE)) != 0;
+    to.add(TexelFormat::rgba32ui, mattes ? packMattes(scene, world) : std::vector<glm::uvec4>{}, "mattes");
     times.uploadSeconds += secondsSince(upload);
     return result;
 }

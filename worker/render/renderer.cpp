@@ -10,6 +10,7 @@
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
 #include "worker/render/integrators.h"
+#include "worker/render/output_features.h"
 #include "worker/render/raster_pass.h"
 #include "worker/render/sample_parameters.h"
 #include "worker/vk/commands.h"
@@ -17,8 +18,8 @@
 namespace tilefarm {
 namespace {
 
-// A film of 2^21 pixels takes 128 MiB, the largest storage buffer that lavapipe binds.
-constexpr uint64_t kFilmPixels = uint64_t{1} << 21;
+// The largest storage buffer that lavapipe binds: a film of 2^21 pixels.
+constexpr uint64_t kFilmBytes = uint64_t{128} << 20;
 // Samples per dispatch. Long dispatches are best on lavapipe; drivers of GPUs reset one that runs for
 // seconds. Where a pass is cut does not show in its bits: the film carries the running sums.
 constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 22;
@@ -81,6 +82,7 @@ struct Renderer::Impl {
     PrepareTimes times;
     FeatureReport features;
     uint64_t wanted;  // FEATURE_* that some moment so far has called for
+    const FilmLayout layout;
     KernelShape compiled;
     CameraPath camera;
     std::vector<Moment> moments;  // in the order of time
@@ -104,7 +106,7 @@ private:
     bool traces() const { return (wanted & kernel.shows & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
     uint64_t filmBytes() const;
     PassFilm cropped(uint32_t tile, SampleRange samples, const std::byte* film) const;
-    uint64_t tilePixels() const { return uint64_t{image.tileSize} * image.tileSize; }
+    uint64_t tileBytes() const { return kernelBytes(layout) * image.tileSize * image.tileSize; }
 };
 
 Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPath& path,
@@ -116,10 +118,11 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
       integrator(how, source.environment),
       grid(size),
       wanted(samplingFeatures(how) | kernel.calls | alsoCompiled),
+      layout(layoutOf(alsoCompiled & kernel.shows)),
       camera(path),
       tilesPerBatch(traces() ? 1
                              : static_cast<uint32_t>(
-                                   std::clamp<uint64_t>(kFilmPixels / tilePixels(), 1, grid.count()))),
+                                   std::clamp<uint64_t>(kFilmBytes / tileBytes(), 1, grid.count()))),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
       filmBuffer(on, filmBytes(), "film"),
       counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
@@ -236,7 +239,7 @@ void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
 // end.
 uint64_t Renderer::Impl::filmBytes() const {
     const uint64_t steps = traces() ? uint64_t{settings.maxBounces} + 3 : 0;
-    return sizeof(PassPixel) * tilePixels() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
+    return tileBytes() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
 }
 
 // Of one dispatch; `faults` by tile of the batch.
@@ -286,10 +289,16 @@ PassFilm Renderer::Impl::cropped(uint32_t tile, SampleRange samples, const std::
     result.rect = grid.rect(tile);
     result.samples = samples;
     result.pixels.resize(result.rect.area());
-    for (uint32_t y = 0; y < result.rect.height; ++y)
-        std::memcpy(&result.pixels[size_t{y} * result.rect.width],
-                    film + size_t{y} * image.tileSize * sizeof(PassPixel),
-                    size_t{result.rect.width} * sizeof(PassPixel));
+    result.layout = layout;
+    result.extra.resize(result.rect.area() * layout.floats());
+    const uint64_t stride = kernelBytes(layout);
+    for (size_t i = 0; i < result.pixels.size(); ++i) {
+        const size_t x = i % result.rect.width, y = i / result.rect.width;
+        const std::byte* pixel = film + (y * image.tileSize + x) * stride;
+        std::memcpy(&result.pixels[i], pixel, sizeof(PassPixel));
+        takeExtra(layout, reinterpret_cast<const float*>(pixel + sizeof(PassPixel)),
+                  result.extra.data() + i * layout.floats());
+    }
     return result;
 }
 
@@ -318,11 +327,11 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     stats.samples += pixels * samples.count;
 
     gpu::CommandRun run(device);
-    const size_t film = run.read(filmBuffer, 0, sizeof(PassPixel) * tilePixels() * tiles.size());
+    const size_t film = run.read(filmBuffer, 0, tileBytes() * tiles.size());
     gpu::Submission submission = run.submit();
     const std::byte* bytes = submission.bytes(film).data();
     for (size_t i = 0; i < tiles.size(); ++i) {
-        films.push_back(cropped(tiles[i], samples, bytes + i * tilePixels() * sizeof(PassPixel)));
+        films.push_back(cropped(tiles[i], samples, bytes + i * tileBytes()));
         films.back().faults = faults[i];
         stats.faults.add(faults[i]);
     }
@@ -354,8 +363,8 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
     const auto steps = static_cast<uint32_t>(moments.size());
     dispatch(moments[shutterStep(sample, steps, settings.seed, frame)], 1,
              {sample, 1, 1, 0, image.tileSize, 0});
-    std::vector<gpu::vec4> texels((filmBytes() - sizeof(PassPixel) * tilePixels()) / sizeof(gpu::vec4));
-    filmBuffer.read(std::as_writable_bytes(std::span(texels)), sizeof(PassPixel) * tilePixels());
+    std::vector<gpu::vec4> texels((filmBytes() - tileBytes()) / sizeof(gpu::vec4));
+    filmBuffer.read(std::as_writable_bytes(std::span(texels)), tileBytes());
     SampleTrace result;
     for (size_t i = 0; i + gpu::TRACE_TEXELS <= texels.size(); i += gpu::TRACE_TEXELS) {
         const gpu::vec4 at = texels[i], weight = texels[i + 1], light = texels[i + 2];

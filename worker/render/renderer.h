@@ -56,8 +56,9 @@ class Renderer {
 public:
     /// Packs and uploads the scene, builds its BVH and the kernel with the effects it calls for.
     /// `camera` has been selected for the frame. Throws Error(invalidArgument | unprocessable) if the
-    /// scene does not fit the device. `alsoCompiled`: FEATURE_* bits to compile in although nothing calls
-    /// for them, which must not change a bit of the picture (tests/shader/feature_bits_test.cpp).
+    /// scene does not fit the device. `alsoCompiled`: FEATURE_* bits to compile in although the scene does not
+    /// call for them, which must not change a bit of the picture (tests/shader/feature_bits_test.cpp): those of
+    /// the channels that the job asks for beside (output_features.h) among them.
     Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera, const ImageSpec& image,
              const RenderSettings& settings, uint64_t alsoCompiled = 0);
     /// Likewise with a camera that moves while the shutter is open.

@@ -15,7 +15,7 @@ T at(const std::vector<T>& values, size_t i, const T& missing) {
 uint32_t vertexTexelsFor(uint64_t features) {
     if ((features & gpu::bit(gpu::FEATURE_VERTEX_COLORS)) != 0) return 4;
     if ((features & (gpu::bit(gpu::FEATURE_NORMAL_MAPS) | gpu::bit(gpu::FEATURE_ANISOTROPY))) != 0) return 3;
-    if ((features & gpu::bit(gpu::FEATURE_TEXTURES)) != 0) return 2;
+    if ((features & (gpu::bit(gpu::FEATURE_TEXTURES) | gpu::bit(gpu::FEATURE_UV_CHANNEL))) != 0) return 2;
     return 1;
 }
 

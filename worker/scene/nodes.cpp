@@ -152,6 +152,7 @@ private:
         }
         if (std::optional<Shape> shape = shapes_.shapeOf(node, toWorld)) {
             meshes_.use(shape->material);
+            shape->name = name;
             if (load_.scene.shapes.size() == kMaxInstances)
                 node.fail(fmt::format("the scene has more than {} shapes", kMaxInstances));
             load_.scene.shapes.push_back(*std::move(shape));

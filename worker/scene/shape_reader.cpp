@@ -99,7 +99,6 @@ std::optional<Shape> ShapeReader::shapeOf(const JsonNode& node, const glm::dmat4
                  : surfaces_[surface.index(surfaces_.size(), "/extensions/TILEFARM_shapes/surfaces")];
     Shape shape = declared.shape;
     shape.toWorld = toWorld * shape.toWorld;
-    shape.name = node["name"].textOr(nameOf(shape.kind));
     const size_t materials = load_.file.root()["materials"].size();
     const JsonNode material = shown["material"];
     shape.material = material ? material.index(materials, "/materials")

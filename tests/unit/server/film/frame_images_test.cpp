@@ -48,6 +48,26 @@ TEST(FrameImages, WritesTheFinalImageOnceAndCompletesTheJob) {
     }
 }
 
+TEST(FrameImages, WritesTheNamesOfTheScenesMattes) {
+    TestFarm farm;
+    const std::string gltf = R"({"nodes": [{"name": "Chair"}], "materials": [{}]})";
+    const auto writer = farm.blobs.create(sha256Hex(gltf));
+    writer->write(std::as_bytes(std::span(gltf)));
+    writer->commit();
+    JobSpec spec = smallJob();
+    spec.scene.files = {{"a.glb", sha256Hex(gltf)}};
+    spec.output.cryptomatte = true;
+    const std::string id = farm.scheduler->submit(spec).job.id;
+    farm.finish();
+    const auto metadata = readExrMetadata(farm.folder / ("images/" + id + "/0.exr"));
+    EXPECT_NE(metadata.at("cryptomatte/3ae39a5/manifest").find("\"Chair\""), std::string::npos);
+    EXPECT_NE(metadata.at("cryptomatte/be359d6/manifest").find("\"materials/0\""), std::string::npos);
+    const FloatImage read = readExr(bytesOf(farm.images->exr(id, 0)), "final");
+    EXPECT_EQ(read.plane("CryptoObject00.R")[5], 1e30f) << "seen by 7 of 8 samples";
+    EXPECT_EQ(read.plane("CryptoObject00.G")[5], 0.875f);
+    EXPECT_EQ(read.plane("CryptoObject00.A")[5], 0.125f);
+}
+
 TEST(FrameImages, SaysWhatMadeTheImage) {
     TestFarm farm;
     const std::string id = farm.scheduler->submit(smallJob()).job.id;

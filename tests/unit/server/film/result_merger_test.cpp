@@ -45,6 +45,44 @@ TEST(ResultMerger, GivesTheSameFilmForAnyOrderOfResults) {
     } while (std::next_permutation(order.begin(), order.end()));
 }
 
+TEST(ResultMerger, GivesTheSameFurtherChannelsForAnyOrderOfResultsAndAfterAStart) {
+    JobSpec spec = smallJob();
+    spec.output = {true, true, true};
+    const auto wanted = renderFrame(spec);
+    EXPECT_EQ(wanted[0].extra.size(), 16u * 16 * 53);
+    for (const std::vector<size_t>& order : {std::vector<size_t>{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}}) {
+        TestFarm farm(smallLeases());
+        const std::string id = farm.scheduler->submit(spec).job.id;
+        const auto leases = allLeases(farm);
+        ASSERT_EQ(leases.size(), 4u);
+        for (const size_t i : order) {
+            EXPECT_EQ(farm.deliver(leases[i]).merged, 6u);
+            farm.reopen();
+        }
+        EXPECT_TRUE(sameBits(farm.film(id), wanted));
+    }
+}
+
+TEST(ResultMerger, RefusesFurtherChannelsThatAreNotTheJobs) {
+    TestFarm farm(smallLeases());
+    JobSpec spec = smallJob();
+    spec.output.uv = true;
+    farm.scheduler->submit(spec);
+    Lease lease = farm.lease();
+    lease.spec.output = {};
+    const Error less = errorOf([&] { farm.deliver(lease); });
+    EXPECT_EQ(less.code, ErrorCode::unprocessable);
+    EXPECT_STREQ(less.what(),
+                 "the part of tile 0, samples 0+1 has the further channels none, but the job's are uv");
+    lease.spec.output = {false, true, true};
+    EXPECT_EQ(codeOf([&] { farm.deliver(lease); }), ErrorCode::unprocessable);
+    lease.spec.output = spec.output;
+    auto films = renderLease(lease);
+    films[3].extra[7] = std::nanf("");
+    EXPECT_EQ(codeOf([&] { farm.deliver(lease, films); }), ErrorCode::unprocessable);
+    EXPECT_EQ(farm.deliver(lease).merged, 6u);
+}
+
 TEST(ResultMerger, TakesAnEarlyPassDurablyAndMergesItInItsTurn) {
     TestFarm farm(smallLeases());
     const std::string id = farm.scheduler->submit(smallJob()).job.id;

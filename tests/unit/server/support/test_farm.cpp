@@ -32,13 +32,26 @@ PassPixel renderPixel(uint32_t x, uint32_t y, int32_t frame, const SampleRange& 
     return pixel;
 }
 
+// Two ids a layer: one that all samples of the first pass see, and one that all later ones do.
+void addExtra(PassFilm& film, uint32_t x, uint32_t y) {
+    const FilmLayout& layout = film.layout;
+    for (uint32_t c = 0; c < layout.means(); ++c) film.extra.push_back(noise(x, y, film.samples.first, 30 + c));
+    for (uint32_t pair = 0; pair < layout.pairs(); ++pair) {
+        const bool used = pair % kMatteRanks == 0;
+        film.extra.push_back(!used ? 0 : film.samples.first == 0 ? 0.25f : 1e30f);
+        film.extra.push_back(used ? static_cast<float>(film.samples.count) : 0);
+    }
+}
+
 }  // namespace
 
-PassFilm renderPass(const TileGrid& grid, const LeasedPass& pass, int32_t frame) {
+PassFilm renderPass(const TileGrid& grid, const LeasedPass& pass, int32_t frame, const FilmLayout& layout) {
     PassFilm film{.tile = pass.tile, .rect = grid.rect(pass.tile), .samples = pass.samples, .pixels = {}};
+    film.layout = layout;
     for (uint32_t y = 0; y < film.rect.height; ++y) {
         for (uint32_t x = 0; x < film.rect.width; ++x) {
             film.pixels.push_back(renderPixel(film.rect.x + x, film.rect.y + y, frame, pass.samples));
+            addExtra(film, film.rect.x + x, film.rect.y + y);
         }
     }
     return film;
@@ -47,7 +60,7 @@ PassFilm renderPass(const TileGrid& grid, const LeasedPass& pass, int32_t frame)
 std::vector<PassFilm> renderLease(const Lease& lease) {
     std::vector<PassFilm> films;
     for (const LeasedPass& pass : lease.passes)
-        films.push_back(renderPass(TileGrid(lease.spec.image), pass, lease.frame));
+        films.push_back(renderPass(TileGrid(lease.spec.image), pass, lease.frame, filmLayoutOf(lease.spec)));
     return films;
 }
 
@@ -55,9 +68,9 @@ std::vector<FilmTile> renderFrame(const JobSpec& spec, int32_t frame) {
     const TileGrid grid(spec.image);
     std::vector<FilmTile> tiles;
     for (uint32_t i = 0; i < grid.count(); ++i) {
-        tiles.emplace_back(grid.rect(i));
+        tiles.emplace_back(grid.rect(i), filmLayoutOf(spec));
         for (const SampleRange& range : passSchedule(spec.stop.samples)) {
-            tiles.back().merge(renderPass(grid, {i, range}, frame));
+            tiles.back().merge(renderPass(grid, {i, range}, frame, filmLayoutOf(spec)));
         }
     }
     return tiles;
@@ -69,7 +82,7 @@ void TestFarm::open() {
     films = std::make_unique<FilmStore>(folder.path(), [this](std::string_view step) {
         if (probe) probe(step);
     });
-    images = std::make_unique<FrameImages>(*store, *scheduler, *films, clock, folder.path());
+    images = std::make_unique<FrameImages>(*store, *scheduler, *films, blobs, clock, folder.path());
     merger = std::make_unique<ResultMerger>(*store, *scheduler, *films);
 }
 
@@ -132,7 +145,8 @@ bool sameBits(const std::vector<FilmTile>& a, const std::vector<FilmTile>& b) {
         const size_t bytes = a[i].pixels.size() * sizeof(FilmPixel);
         const bool same = a[i].rect == b[i].rect && a[i].mergedSamples == b[i].mergedSamples &&
                           a[i].pixels.size() == b[i].pixels.size() &&
-                          std::memcmp(a[i].pixels.data(), b[i].pixels.data(), bytes) == 0;
+                          std::memcmp(a[i].pixels.data(), b[i].pixels.data(), bytes) == 0 &&
+                          a[i].layout == b[i].layout && a[i].extra == b[i].extra;
         if (!same) return false;
     }
     return true;

@@ -5,6 +5,7 @@
 #include "server/film/frame_images.h"
 #include "server/film/result_merger.h"
 #include "server/queue/scheduler.h"
+#include "server/store/memory_blob_store.h"
 #include "server/store/sqlite_job_store.h"
 #include "tests/support/fake_clock.h"
 #include "tests/support/temporary_folder.h"
@@ -26,7 +27,8 @@ inline WorkerHello hello(const std::string& worker) {
 }
 
 /// What a renderer would leave: a pure function of pixel and samples, different for each.
-PassFilm renderPass(const TileGrid& grid, const LeasedPass& pass, int32_t frame = 0);
+PassFilm renderPass(const TileGrid& grid, const LeasedPass& pass, int32_t frame = 0,
+                    const FilmLayout& layout = {});
 std::vector<PassFilm> renderLease(const Lease& lease);
 /// The frame as merged in one go, with no farm.
 std::vector<FilmTile> renderFrame(const JobSpec& spec, int32_t frame = 0);
@@ -38,6 +40,7 @@ struct TestFarm {
     FakeClock clock;
     QueueConfig config;
     FilmStore::Probe probe;
+    MemoryBlobStore blobs;
     std::unique_ptr<SqliteJobStore> store;
     std::unique_ptr<Scheduler> scheduler;
     std::unique_ptr<FilmStore> films;

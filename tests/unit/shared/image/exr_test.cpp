@@ -82,6 +82,37 @@ FilmTile tileOf(const ImageSpec& image, uint32_t index) {
     return tile;
 }
 
+TEST(FrameExr, PutsFurtherChannelsBesideAndRanksIdsByCoverage) {
+    const TemporaryFolder folder;
+    const ImageSpec image{.width = 20, .height = 9, .tileSize = 16};
+    const FilmLayout layout{.uv = true, .cryptomatte = true};
+    const auto tileWith = [&](uint32_t index) {
+        FilmTile tile(TileGrid(image).rect(index), layout);
+        for (size_t i = 0; i < tile.pixels.size(); ++i) {
+            tile.pixels[i].count = 8;
+            const auto extra = tile.extraOf(i);
+            extra[0] = static_cast<double>(tile.rect.x + i % tile.rect.width);
+            // Ids 5, 6 and 7 with 1, 4 and 3 of 8 samples.
+            for (size_t k = 0; k < 3; ++k) {
+                extra[2 + 2 * k] = 5 + static_cast<double>(k);
+                extra[3 + 2 * k] = std::array{1., 4., 3.}[k];
+            }
+        }
+        return tile;
+    };
+    writeFrameExr(folder / "f.exr", image, tileWith, {}, {layout, {{"cryptomatte/3ae39a5/name", "CryptoObject"}}});
+    const FloatImage read = readExr(folder / "f.exr");
+    for (size_t i = 0; i < read.pixelCount(); ++i) {
+        ASSERT_EQ(read.plane("uv.U")[i], static_cast<float>(i % 20));
+        const float wanted[] = {6, 0.5f, 7, 0.375f, 5, 0.125f, 0, 0};
+        for (size_t c = 0; c < 8; ++c)
+            ASSERT_EQ(read.plane(std::string("CryptoObject0") + "01"[c / 4] + "." + "RGBA"[c % 4])[i], wanted[c]) << c;
+        ASSERT_EQ(read.plane("CryptoMaterial00.R")[i], 0);
+    }
+    EXPECT_EQ(readExrMetadata(folder / "f.exr").at("cryptomatte/3ae39a5/name"), "CryptoObject");
+    EXPECT_THROW(writeFrameExr(folder / "g.exr", image, tileWith, {}), Error) << "tiles of another layout";
+}
+
 TEST(FrameExr, PutsEveryPixelOfEveryTileInItsPlace) {
     const TemporaryFolder folder;
     const ImageSpec image{.width = 83, .height = 45, .tileSize = 16};

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 constexpr ImageSpec kImage{.width = 83, .height = 45, .tileSize = 32};
 
 // Pixels of random bits: NaN of every kind, infinities, denormals.
-std::vector<PassFilm> someFilms() {
+std::vector<PassFilm> someFilms(const FilmLayout& layout = {}) {
     std::mt19937 random(3);
     std::vector<PassFilm> films;
     for (const auto& [tile, samples] :
@@ -32,6 +32,12 @@ std::vector<PassFilm> someFilms() {
         std::vector<uint32_t> bits(film.pixels.size() * sizeof(PassPixel) / 4);
         for (uint32_t& word : bits) word = static_cast<uint32_t>(random());
         std::memcpy(static_cast<void*>(film.pixels.data()), bits.data(), bits.size() * 4);
+        film.layout = layout;
+        film.extra.resize(film.pixels.size() * layout.floats());
+        for (float& value : film.extra) {
+            const auto word = static_cast<uint32_t>(random());
+            std::memcpy(&value, &word, sizeof word);
+        }
     }
     return films;
 }
@@ -48,6 +54,10 @@ void expectSame(const std::vector<PassFilm>& a, const std::vector<PassFilm>& b) 
         ASSERT_EQ(a[i].pixels.size(), b[i].pixels.size());
         EXPECT_EQ(std::memcmp(a[i].pixels.data(), b[i].pixels.data(), a[i].pixels.size() * sizeof(PassPixel)),
                   0);
+        EXPECT_EQ(a[i].layout, b[i].layout);
+        ASSERT_EQ(a[i].extra.size(), b[i].extra.size());
+        const size_t bytes = a[i].extra.size() * sizeof(float);
+        EXPECT_TRUE(bytes == 0 || std::memcmp(a[i].extra.data(), b[i].extra.data(), bytes) == 0);
     }
 }
 
@@ -56,6 +66,30 @@ TEST(PassExr, KeepsEveryBit) {
     const auto bytes = encodePassFilms(films, kImage, kAttributes);
     expectSame(decodePassFilms(bytes), films);
     EXPECT_EQ(decodePassAttributes(bytes), kAttributes);
+}
+
+TEST(PassExr, KeepsEveryBitOfTheFurtherChannelsOfEveryLayout) {
+    for (const FilmLayout& layout : FilmLayout::all()) {
+        SCOPED_TRACE(layout.text());
+        const auto films = someFilms(layout);
+        expectSame(decodePassFilms(encodePassFilms(films, kImage, kAttributes)), films);
+    }
+}
+
+TEST(HostilePassExr, WithFurtherChannelsThatAreSpoiltOrCutIsRefusedOrReadButDoesNotCrash) {
+    const auto whole = encodePassFilms(someFilms(FilmLayout::all().back()), kImage, kAttributes);
+    std::mt19937 random(12);
+    for (int round = 0; round < 3000; ++round) {
+        auto spoilt = whole;
+        const size_t reach = round % 4 ? size_t{9000} : spoilt.size();
+        for (int i = 0; i < 1 + round % 5; ++i) spoilt[random() % reach] = static_cast<std::byte>(random());
+        if (round % 3 == 0) spoilt.resize(random() % spoilt.size());
+        try {
+            decodePassFilms(spoilt);
+        } catch (const Error& e) {
+            ASSERT_EQ(e.code, ErrorCode::unprocessable);
+        }
+    }
 }
 
 TEST(PassExr, CarriesTheFaultsOfEachPass) {

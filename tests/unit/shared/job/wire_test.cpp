@@ -305,6 +305,14 @@ TEST(JobOverTime, MembersThatContradictEachOtherAreFaults) {
     EXPECT_THAT(faultsOf("view", R"({"blades": 2})"), ElementsAre("/view/blades"));
     EXPECT_THAT(faultsOf("motion", R"({"shutterSteps": 6})"), ElementsAre("/motion/shutterSteps"));
     EXPECT_THAT(faultsOf("motion", R"({"fps": 0})"), ElementsAre("/motion/fps"));
+    EXPECT_THAT(faultsOf("output", R"({"lightPaths": 1})"), ElementsAre("/output/lightPaths"));
+    json whitted = goodJob();
+    whitted["settings"]["integrator"] = "whitted";
+    whitted["output"] = {{"lightPaths", true}};
+    EXPECT_THAT(errorOf([&] { jobFromJson(whitted); }).faults,
+                ElementsAre(Fault{"/output/lightPaths", "is for the integrator path"}));
+    whitted["output"] = {{"uv", true}, {"cryptomatte", true}};
+    EXPECT_NO_THROW(jobFromJson(whitted));
 }
 
 TEST(WorkerHello, SurvivesTheWireAndIgnoresNews) {

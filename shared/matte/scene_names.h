@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+
+#include "shared/job/job.h"
+
+namespace tilefarm {
+
+/// What the ids of a scene's mattes may stand for.
+struct SceneNames {
+    std::set<std::string> objects, materials;
+};
+
+/// The name by which a node or material without one goes: "nodes/3", "materials/2".
+std::string nodeName(size_t index);
+std::string materialName(const std::string& name, size_t index);
+/// An area light that a job adds without a name.
+std::string lightName(const std::string& name);
+/// The material of every area light.
+inline constexpr const char* kLightMaterialName = "light";
+/// The material of primitives that have none.
+inline constexpr const char* kDefaultMaterialName = "default";
+
+/// Reads `into.size()` bytes from `offset` of a .gltf or .glb of `size` bytes.
+struct GltfBytes {
+    uint64_t size = 0;
+    std::function<void(uint64_t offset, std::span<std::byte> into)> read;
+};
+
+/// Names of all nodes, lights and materials of a glTF file, whether they are seen or not, and of the lights
+/// that the job adds. Of things that share a name the ids are one. Throws Error(invalidArgument) if it is no
+/// glTF.
+SceneNames sceneNames(const GltfBytes& gltf, const JobSpec& job);
+
+/// Header entries of the frame's file for the mattes that the job asks for; none if it asks for none. Without
+/// manifests where the scene's file cannot be read: ids are then ids still.
+std::map<std::string, std::string> matteMetadata(const GltfBytes& gltf, const JobSpec& job);
+
+}  // namespace tilefarm
