@@ -12,13 +12,15 @@ _TYPES = {1: ("e", 2), 2: ("f", 4)}
 
 
 class Exr:
-    """Planes of one picture: `planes[name]` is an array of width * height floats, top row first."""
+    """Planes of one picture: `planes[name]` is an array of width * height floats, top row first. `attributes[name]` are
+    the bytes of a header entry."""
 
     def __init__(self, path):
         self.path, data = pathlib.Path(path), pathlib.Path(path).read_bytes()
         if data[:4] != b"\x76\x2f\x31\x01" or data[5] & 0x1A:
             raise ValueError(f"{path}: not an EXR of one scanline part")
         attributes, at = self._header(data)
+        self.attributes = attributes
         compression = attributes["compression"][0]
         if compression not in _ROWS_OF:
             raise ValueError(f"{path}: compression {compression} is not read here")
