@@ -10,7 +10,7 @@ namespace tilefarm {
 template <typename Visitor>
 void describe(Visitor& v, Is<OutputSettings> auto& output) {
     v.flag({"lightPaths",
-            "channels of light by its first scattering: emission, and diffuse, specular and transmission, "
+            "channels of light by its first scattering: emission, and diffuse, specular, transmission and volume, "
             "each direct and indirect; they add up to the picture"},
            output.lightPaths);
     v.flag({"uv", "a channel of the first surface's texture coordinates"}, output.uv);

@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from exr_image import Exr  # noqa: E402
 
 PATHS = ["emission", "diffuse.direct", "diffuse.indirect", "specular.direct", "specular.indirect",
-         "transmission.direct", "transmission.indirect"]
+         "transmission.direct", "transmission.indirect", "volume.direct", "volume.indirect"]
 WORDS = 0xFFFFFFFF
 
 

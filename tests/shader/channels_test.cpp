@@ -186,6 +186,33 @@ TEST_F(ChannelsTest, LightAddsUpWhereSamplesAreDropped) {
     EXPECT_GT(dropped, 0);
 }
 
+TEST_F(ChannelsTest, LightAddsUpInFogAndFogsIsOfTheVolume) {
+    View view = room();
+    view.scene.fog.extinction = {0.4, 0.3, 0.2};
+    view.scene.fog.albedo = glm::dvec3(0.9);
+    const auto tiles = render(view, kLight, square(32), bounces(6), 19);
+    expectSums(tiles);
+    double volume = 0;
+    for (size_t i = 0; i < tiles[0].pixels.size(); ++i) volume += lightOf(tiles[0], i, gpu::LIGHT_PATH_VOLUME);
+    EXPECT_GT(volume, 0);
+    EXPECT_GT(meanLight(tiles[0], gpu::LIGHT_PATH_VOLUME + 1), 0);
+}
+
+// Nothing but a lamp without extent in fog: all light that is seen is scattered in it once or more often.
+TEST_F(ChannelsTest, ALampInFogIsSeenByItsVolumeAlone) {
+    View view;
+    PunctualLight lamp;
+    lamp.position = {0, 0.2, 0};
+    lamp.color = glm::vec3(1);
+    view.scene.lights.push_back(lamp);
+    view.scene.fog.extinction = glm::dvec3(0.3);
+    view.scene.fog.box = Fog::Box{glm::dvec3(-4), glm::dvec3(4)};
+    view.camera = cameraAt({0, 0, 3}, {0, 0, 0}, 1);
+    const auto tiles = render(view, kLight, square(16), bounces(3), 64);
+    expectSums(tiles);
+    expectOnly(tiles[0], {gpu::LIGHT_PATH_VOLUME, gpu::LIGHT_PATH_VOLUME + 1});
+}
+
 // ---- What light is called
 
 TEST_F(ChannelsTest, AClosedBoxHasTheSeriesOfItsBounces) {
