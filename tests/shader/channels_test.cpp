@@ -399,11 +399,11 @@ TEST_F(ChannelsTest, APixelOfManyObjectsKeepsSixOfThem) {
     EXPECT_EQ(samplesOf(tile, 0, 1, "Paint"), 256);
 }
 
-TEST_F(ChannelsTest, EveryIntegratorOfRaysSaysWhatItsFirstSurfaceIs) {
+TEST_F(ChannelsTest, EveryIntegratorSaysWhatItsFirstSurfaceIs) {
     View view;
     addNamed(view.scene, "Square", "Wood", quadMesh({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}));
     view.camera = flatCamera();
-    for (const Integrator integrator : {Integrator::whitted, Integrator::ambientOcclusion, Integrator::albedo}) {
+    for (const Integrator integrator : {Integrator::whitted, Integrator::raster, Integrator::ambientOcclusion, Integrator::albedo}) {
         RenderSettings settings = bounces(1);
         settings.integrator = integrator;
         settings.jitter = false;
