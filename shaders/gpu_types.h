@@ -102,7 +102,8 @@ GPU_CONSTANT FEATURE_FOG = 50;                  // a medium outside of solids th
 GPU_CONSTANT FEATURE_LIGHT_PATHS = 51;          // channels that a job asks for: light by its first scattering,
 GPU_CONSTANT FEATURE_UV_CHANNEL = 52;           // texture coordinates,
 GPU_CONSTANT FEATURE_CRYPTOMATTE = 53;          // ids of objects and materials
-GPU_CONSTANT FEATURE_COUNT = 54;
+GPU_CONSTANT FEATURE_NESTED_MEDIA = 54;         // transmissive solids within others, or around the camera
+GPU_CONSTANT FEATURE_COUNT = 55;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -267,6 +268,8 @@ struct FrameParameters {
     vec4 fogUpper;        // xyz: likewise; w: 1 if there is fog
     vec4 fogScattering;   // rgb, 1/m
     vec4 fogAbsorption;   // rgb, 1/m
+    uvec4 cameraMedia;    // solids around the camera, path/media_stack.glsl
+    uvec4 nesting;        // x: 1 if a ray may be in several solids, or starts in one
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -280,7 +283,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 416 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 448 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 24);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material

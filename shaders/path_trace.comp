@@ -17,6 +17,7 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.throughput = vec3(1);
     path.radiance = vec3(0);
     path.medium = outside();
+    if (mediaNest()) path.medium = innermost(parameters.cameraMedia);
     path.pdf = 0.0;
     path.etaScale = 1.0;
     path.delta = true;
@@ -90,6 +91,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (!inFog) {
             if (wo.z <= 0.0) break;
             if (has(FEATURE_DISPERSION) && m.dispersion > 0.0 && m.transmission > 0.0) disperse(path, m, key);
+            if (mediaNest()) setRelativeIor(path.medium.stack, s, path.channel, m);
             bsdf = bsdfAt(m, wo, s.frontFace);
         }
         if (hasLights()) {

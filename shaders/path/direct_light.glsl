@@ -19,7 +19,9 @@ struct Media {
 
 Medium mediumBehind(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
     if (bsdf.face.thin) return near;
-    return s.frontFace ? Medium(m.absorption, true) : outside();
+    if (mediaNest())
+        return innermost(s.frontFace ? withMedium(near.stack, s.material) : withoutMedium(near.stack, s.material));
+    return s.frontFace ? Medium(m.absorption, true, uvec4(NO_INDEX)) : outside();
 }
 
 Media mediaAt(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {

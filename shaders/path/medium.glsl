@@ -9,13 +9,20 @@
 #define MEDIUM_GLSL
 
 #include "../phase.glsl"
+#include "media_stack.glsl"
 
 struct Medium {
     vec3 absorption;  // of a solid, 1/m
     bool solid;       // no fog in here
+    uvec4 stack;      // with FEATURE_NESTED_MEDIA
 };
 
-Medium outside() { return Medium(vec3(0), false); }
+Medium outside() { return Medium(vec3(0), false, uvec4(NO_INDEX)); }
+
+Medium innermost(uvec4 stack) {
+    bool solid = stack.x != NO_INDEX;
+    return Medium(solid ? materialTexel(stack.x, 4u).rgb : vec3(0), solid, stack);
+}
 
 #define fogAnisotropy() (parameters.fogLower.w)
 // By data as well: a kernel may hold fog's code for a scene without it.

@@ -31,6 +31,10 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.side = lightSide(s, bsdf);
     if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.face.thin) {
         if (transmits(bsdf.face)) path.etaScale *= bsdf.face.eta * bsdf.face.eta;
+        if (mediaNest() && s.frontFace && isFull(path.medium.stack)) {
+            rejectedCount++;
+            return false;
+        }
         path.medium = mediumBehind(path.medium, s, m, bsdf);
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);

@@ -137,6 +137,92 @@ TEST_F(HardPath, HardCase31_CameraInsideGlass) {
     EXPECT_NEAR(m.value, 2.25, 0.0225) << "sigma " << m.sigma;
 }
 
+// A solid that absorbs, without a surface to be seen where its index is 1.
+Material coloured(const glm::vec3& color, float ior = 1) {
+    Material m = glass(ior);
+    m.attenuationColor = color;  // at one metre
+    m.attenuationDistance = 1;
+    return m;
+}
+
+void addBox(Scene& scene, const glm::dvec3& half, const Material& material) {
+    addMesh(scene, cubeMesh(false), material, glm::scale(glm::dmat4(1), half));
+}
+
+void addBall(Scene& scene, double radius, const Material& material) {
+    Shape ball;
+    ball.size = glm::dvec3(radius);
+    ball.material = static_cast<uint32_t>(scene.materials.size());
+    scene.materials.push_back(material);
+    scene.shapes.push_back(ball);
+}
+
+const glm::vec3 kBlockColor{0.5f, 0.25f, 1}, kBallColor{0.8f, 1, 0.3f};
+
+/// Light of 1 from everywhere, seen straight along −z.
+void expectAlongZ(const gpu::Device& device, Scene& scene, double z, const glm::dvec3& expected) {
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    const Picture picture = render(device, scene, cameraAt({0, 0, z}, {0, 0, z - 1}, 1e-4),
+                                   {.size = 8, .samples = 8, .maxBounces = 16, .rouletteStart = 16});
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(meanOf(picture, c).value, expected[c], 1e-5) << "from z " << z;
+}
+
+TEST_F(HardPath, HardCase31_SolidWithinASolidEachAbsorbs) {
+    const glm::dvec3 block(kBlockColor), ball(kBallColor);
+    Scene scene;
+    addBox(scene, {10, 10, 1}, coloured(kBlockColor));
+    addBall(scene, 0.5, coloured(kBallColor));
+    expectAlongZ(device, scene, 5, block * ball);                                        // 1 m of each
+    expectAlongZ(device, scene, 0.75, glm::pow(block, glm::dvec3(0.75)) * ball);         // from within the block
+    expectAlongZ(device, scene, 0, glm::pow(block, glm::dvec3(0.5)) * glm::pow(ball, glm::dvec3(0.5)));
+    expectAlongZ(device, scene, -0.75, glm::pow(block, glm::dvec3(0.25)));
+}
+
+// Of layers, each with what it reflects in front and behind and lets through, seen at a right angle (adding).
+struct Layer {
+    double front, back, through;
+};
+Layer operator+(const Layer& a, const Layer& b) {
+    const double series = 1 / (1 - a.back * b.front);
+    return {a.front + a.through * a.through * b.front * series, b.back + b.through * b.through * a.back * series,
+            a.through * b.through * series};
+}
+Layer surface(double eta) {
+    const double f = std::pow((eta - 1) / (eta + 1), 2);
+    return {f, f, 1 - f};
+}
+Layer absorber(double color, double metres) {
+    return {0, 0, std::pow(color, metres)};
+}
+
+TEST_F(HardPath, HardCase31_IndicesOfNestedSolidsAreRelative) {
+    for (const float inner : {1.5f, 1.0f, 2.4f}) {
+        Scene scene;
+        addBox(scene, {10, 10, 1}, coloured(kBlockColor, 1.5f));
+        addBox(scene, {5, 5, 0.5}, coloured(kBallColor, inner));
+        addMesh(scene, quadMesh({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}), matte(glm::vec3(0), glm::vec3(1)));
+        scene.environment = uniformEnvironment(glm::vec3(0));
+        const Picture picture = render(device, scene, cameraAt({0, 0, 5}, {0, 0, 0}, 1e-4),
+                                       {.size = 32, .samples = 64, .maxBounces = 64});
+        EXPECT_EQ(picture.stats.droppedSamples, 0u);
+        for (int c = 0; c < 3; ++c) {
+            const Layer half = absorber(double{kBlockColor[c]}, 0.5), face = surface(double{inner} / 1.5);
+            const Layer all = surface(1.5) + half + face + absorber(double{kBallColor[c]}, 1) + face + half + surface(1.5);
+            expectMean(meanOf(picture, c), all.through, 1e-5);
+        }
+    }
+}
+
+TEST_F(HardPath, HardCase31_MoreSolidsThanTheStackHoldsAreCounted) {
+    Scene scene;
+    for (int i = 0; i < 7; ++i) addBox(scene, glm::dvec3(8 - i), coloured(glm::vec3(0.9f)));
+    scene.environment = uniformEnvironment(glm::vec3(1));
+    const Picture picture = render(device, scene, cameraAt({0, 0, 20}, {0, 0, 0}, 1e-4),
+                                   {.size = 8, .samples = 2, .maxBounces = 32, .rouletteStart = 32});
+    EXPECT_TRUE(allFinite(picture));
+    EXPECT_EQ(picture.stats.faults.rejectedPaths, 8u * 8 * 2);
+}
+
 void expectVeils(const gpu::Device& device, int layers, uint32_t samples) {
     Material veil = matte(glm::vec3(0.25f));
     veil.unlit = true;

@@ -63,6 +63,7 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "light path channels",
     "uv channel",
     "Cryptomatte",
+    "nested media",
 };
 static_assert(!kNames.back().empty());
 

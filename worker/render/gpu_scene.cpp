@@ -127,6 +127,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     takeEnvironment(result, environment, like);
     result.images = textures.images;
     result.fog = placeFog(scene.fog, world);
+    result.solids = Solids(scene, world);
     PackedLights lights = packLights(scene, world, result.environmentFlux, settings.lightSelection);
 
     result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |

@@ -5,6 +5,7 @@
 #include "shaders/gpu_types.h"
 #include "worker/bvh/bvh.h"
 #include "worker/render/fog_parameters.h"
+#include "worker/render/media.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/world.h"
 #include "worker/vk/buffer.h"
@@ -29,6 +30,7 @@ struct GpuScene {
     std::vector<uint32_t> shapeSlots;  // first texels of the shapes there
     double environmentFlux = 0;
     PlacedFog fog;
+    Solids solids;
     std::vector<uint32_t> images;  // of the scene, in the order of their texels
 };
 

@@ -218,6 +218,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         setLights(p, moment.scene);
         integrator.set(p, moment.lower, moment.upper);
         setFog(p, moment.scene.fog, moved);
+        wanted |= setMedia(p, moment.scene.solids, glm::dvec3(moved.keys.front().toWorld[3]));
         const double share = 1.0 / static_cast<double>(moments.size());
         p.shutter = {static_cast<double>(i) * share, share, 0, 0};
         moment.parameterBuffer.upload(gpu::bytesOfValue(p));
