@@ -1,5 +1,6 @@
 """What a job says of materials, lights, environment and sampling changes its picture, on the farm as in a local render."""
 import json
+import pathlib
 
 from farm import DATA, FarmTest
 
@@ -44,6 +45,21 @@ class SceneSettings(FarmTest):
             plain, _ = self.render_here(SCENE, "plain.exr", **SMALL)
             self.assert_same_bits(self.download(bare, "bare.exr"), plain)
 
+    def test_every_integrator_renders_on_the_farm_what_it_does_here(self):
+        self.start_server()
+        self.start_workers(1)
+        pictures = set()
+        for integrator in ("raster", "whitted", "ambient-occlusion", "normal"):
+            with self.subTest(integrator):
+                settings = dict(width=48, height=48, samples=3, integrator=integrator)
+                here, _ = self.render_here(SCENE, integrator + ".exr", **settings)
+                job = self.submit(SCENE, **settings, tile_size=16)
+                self.wait_for_end(job)
+                farm = self.download(job, integrator + "-farm.exr")
+                self.assert_same_bits(farm, here)
+                pictures.add(pathlib.Path(here).read_bytes())
+        self.assertEqual(len(pictures), 4)
+
     def test_bad_ones_are_refused_before_anything_is_sent(self):
         self.start_server()
         for words, named in [
@@ -52,6 +68,7 @@ class SceneSettings(FarmTest):
             (("--light", '{"kind": "lamp"}'), "/kind"),
             (("--light", '{"kind": "point", "radius": 1}'), "/lights/0/radius"),
             (("--sky-turbidity", "3"), "/environment/sky"),
+            (("--integrator", "raster", "--view-kind", "panorama"), "/settings/integrator"),
         ]:
             for program, arguments in (("tilefarm", ("--server", self.url, "submit", SCENE)),
                                        ("tilefarm-worker", ("render", SCENE, "-o", self.folder / "x.exr"))):
