@@ -103,7 +103,12 @@ GPU_CONSTANT FEATURE_LIGHT_PATHS = 51;          // channels that a job asks for:
 GPU_CONSTANT FEATURE_UV_CHANNEL = 52;           // texture coordinates,
 GPU_CONSTANT FEATURE_CRYPTOMATTE = 53;          // ids of objects and materials
 GPU_CONSTANT FEATURE_NESTED_MEDIA = 54;         // transmissive solids within others, or around the camera
-GPU_CONSTANT FEATURE_COUNT = 55;
+GPU_CONSTANT FEATURE_CLAMP = 55;                // a bound on what a sample gathers at once
+GPU_CONSTANT FEATURE_REGULARISATION = 56;       // a least α behind rough surfaces
+GPU_CONSTANT FEATURE_DIRECTION_SAMPLING = 57;   // other than by the BSDF
+GPU_CONSTANT FEATURE_SHADOW_DEPTH = 58;
+GPU_CONSTANT FEATURE_ROULETTE_RULE = 59;        // other than by throughput
+GPU_CONSTANT FEATURE_COUNT = 60;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -221,6 +226,14 @@ GPU_CONSTANT LIGHT_PATH_COUNT = 9;
 GPU_CONSTANT MATTE_RANKS = 6;
 GPU_CONSTANT MATTE_TEXELS = MATTE_RANKS / 2;
 
+// FrameParameters::rules.x, .y
+GPU_CONSTANT ROULETTE_THROUGHPUT = 0;
+GPU_CONSTANT ROULETTE_CONSTANT = 1;
+GPU_CONSTANT ROULETTE_NONE = 2;
+GPU_CONSTANT DIRECTION_BSDF = 0;
+GPU_CONSTANT DIRECTION_COSINE = 1;
+GPU_CONSTANT DIRECTION_UNIFORM = 2;
+
 GPU_CONSTANT CAMERA_KEYS = 33;       // at most
 GPU_CONSTANT CAMERA_KEY_VECTORS = 3;
 
@@ -239,7 +252,10 @@ GPU_CONSTANT COUNTER_COUNT = COUNTER_FIRST_DROPPED + 2 * RECORDED_SAMPLES;
 // Behind them, of each tile of the dispatch:
 GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or on the wrong side
 GPU_CONSTANT TILE_TRUNCATED = 1;  // paths that still carried light where the bounce limit ended them
-GPU_CONSTANT TILE_COUNTERS = 2;
+GPU_CONSTANT TILE_CLAMPED = 2;    // samples that FEATURE_CLAMP bounded
+GPU_CONSTANT TILE_CLAMPED_RADIANCE = 3;      // bits of a float: luminance that it took away, summed over samples
+GPU_CONSTANT TILE_TRUNCATED_THROUGHPUT = 4;  // likewise: largest channel of what truncated paths carried
+GPU_CONSTANT TILE_COUNTERS = 5;
 
 // For debugging: bits beyond FEATURE_COUNT, which nothing calls for and no report names.
 GPU_CONSTANT FEATURE_TRACE = 62;           // writes what a path meets behind the films: TRACE_TEXELS a bounce
@@ -261,6 +277,9 @@ struct FrameParameters {
     vec4 filtering;       // x: FILTER_*, y: radius in pixels
     uvec4 sampling;       // x: SAMPLER_*, y: strata per side, z: camera keys, 0 for a still one
     vec4 shutter;         // part of the shutter's time that this scene stands for: x: begin, y: length, of 1
+    uvec4 rules;          // x: ROULETTE_*, y: DIRECTION_*, z: scatterings with shadows
+    vec4 bounds;          // clamp of light that scattered x: once, y: more often; z: least α behind rough surfaces;
+                          // w: survival of ROULETTE_CONSTANT
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
     vec4 irradiance[9];   // of the environment, integrators/ambient.glsl
     vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*; raster: z: near plane, w: far plane

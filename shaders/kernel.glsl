@@ -13,7 +13,9 @@ layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
 
 uint rayCount = 0u;
-uint rejectedCount = 0u, truncatedCount = 0u;  // of paths, see TILE_* in gpu_types.h
+// Of paths, see TILE_* in gpu_types.h.
+uint rejectedCount = 0u, truncatedCount = 0u, clampedCount = 0u;
+float truncatedThroughput = 0.0, clampedRadiance = 0.0;
 
 bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "intersect.glsl"

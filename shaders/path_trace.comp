@@ -25,6 +25,8 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.channel = 3u;
     path.bounce = 0u;
     path.first = noScattering();
+    path.rough = false;
+    path.clamped = 0.0;
     return path;
 }
 
@@ -62,6 +64,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (found) {
             s = surfaceAt(hit, path.ray);
             m = materialAt(s);
+            if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.bounds.z);
             if (path.bounce == 0u) {
                 result.albedo = m.baseColor;
                 result.normal = s.frame[2];
@@ -83,6 +86,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, inFog ? flight.reach : hit.t, path, s.primitive);
         if (path.bounce >= parameters.path.x) {
             truncatedCount++;
+            truncatedThroughput += maxComponent(path.throughput);
             break;
         }
 
@@ -109,6 +113,10 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
     if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)
         path.radiance = vec3(uintBitsToFloat(0x7fc00000u));
     if (has(FEATURE_TRACE)) recordStep(path.bounce + 1u, path.ray.origin, -1.0, path, NO_INDEX);
+    if (has(FEATURE_CLAMP) && path.clamped > 0.0) {
+        clampedCount++;
+        clampedRadiance += path.clamped;
+    }
     result.radiance = path.radiance;
     return result;
 }

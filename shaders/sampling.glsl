@@ -18,6 +18,13 @@ vec3 cosineHemisphere(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0, 1.0 - u.x)));
 }
 
+// pdf = 1 / 4π.
+vec3 uniformSphere(vec2 u) {
+    float z = 1.0 - 2.0 * u.x;
+    float r = sqrt(max(0.0, 1.0 - z * z));
+    return vec3(r * cos(TWO_PI * u.y), r * sin(TWO_PI * u.y), z);
+}
+
 // Uniform barycentrics (Heitz 2019: low distortion, no square root).
 vec2 uniformTriangle(vec2 u) {
     float a, b;

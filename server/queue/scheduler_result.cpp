@@ -20,6 +20,9 @@ uint64_t samplesOf(const JobInfo& job, uint32_t tile, uint32_t first) {
 void addFaults(JobRow& job, const FrameRow& frame, const PassFaults& faults) {
     job.rejectedPaths += faults.rejectedPaths;
     job.truncatedPaths += faults.truncatedPaths;
+    job.truncatedThroughput += faults.truncatedThroughput;
+    job.clampedSamples += faults.clampedSamples;
+    job.clampedLuminance += faults.clampedLuminance;
     for (const DroppedSample& s : faults.dropped)
         if (job.faultSamples.size() < kMostDropped)
             job.faultSamples.push_back(std::to_string(frame.frame) + ' ' + std::to_string(s.x) + ' ' +

@@ -43,10 +43,14 @@ std::vector<std::string> faultsOf(const JobRow& job) {
 
 json numericsOf(const JobRow& job) {
     const double paths = static_cast<double>(job.pixelSamplesMerged);
+    const auto perPath = [&](double sum) { return paths > 0 ? sum / paths : 0; };
     return {{"droppedSamples", job.droppedSamples},
             {"rejectedPaths", job.rejectedPaths},
             {"truncatedPaths", job.truncatedPaths},
-            {"truncatedShare", paths > 0 ? static_cast<double>(job.truncatedPaths) / paths : 0},
+            {"truncatedShare", perPath(static_cast<double>(job.truncatedPaths))},
+            {"truncatedThroughput", perPath(job.truncatedThroughput)},
+            {"clampedSamples", job.clampedSamples},
+            {"clampedLuminance", perPath(job.clampedLuminance)},
             {"samples", samplesOf(job)}};
 }
 

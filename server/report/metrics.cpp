@@ -37,6 +37,8 @@ struct Metrics::Impl {
     Counter& truncated =
         counter("tilefarm_truncated_paths_total",
                 "Paths in results that still carried light where the bounce limit ended them");
+    Counter& clamped = counter("tilefarm_clamped_samples_total",
+                               "Samples in results that settings.clampDirect or clampIndirect bounded");
     Counter& failures = counter("tilefarm_failures_total", "Render errors that workers reported");
     Counter& violations = counter("tilefarm_sweep_violations_total", "Broken invariants that sweeps found");
     Gauge& openLeases = gauge("tilefarm_open_leases", "Leases on loan");
@@ -102,6 +104,7 @@ void Metrics::faults(uint64_t droppedSamples, const PassFaults& faults) {
     impl_->dropped.Increment(static_cast<double>(droppedSamples));
     impl_->rejected.Increment(static_cast<double>(faults.rejectedPaths));
     impl_->truncated.Increment(static_cast<double>(faults.truncatedPaths));
+    impl_->clamped.Increment(static_cast<double>(faults.clampedSamples));
 }
 
 void Metrics::failures(uint64_t reported) {

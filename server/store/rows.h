@@ -38,8 +38,10 @@ struct JobRow {
     double deviceSeconds = 0;
     uint64_t droppedSamples = 0;
     std::vector<std::string> faults;
-    uint64_t rejectedPaths = 0, truncatedPaths = 0;  // PassFaults of shared/film/film.h, of all merged passes
-    std::vector<std::string> faultSamples;           // "frame x y sample" of the first dropped samples
+    // PassFaults of shared/film/film.h, of all merged passes.
+    uint64_t rejectedPaths = 0, truncatedPaths = 0, clampedSamples = 0;
+    double truncatedThroughput = 0, clampedLuminance = 0;
+    std::vector<std::string> faultSamples;  // "frame x y sample" of the first dropped samples
 
     double fractionDone() const {
         return pixelSamples == 0

@@ -188,7 +188,14 @@ ALTER TABLE jobs ADD COLUMN truncated_paths INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE jobs ADD COLUMN fault_samples TEXT NOT NULL DEFAULT '';
 )sql";
 
-constexpr std::array kMigrations{kFirst, kFaults};
+// How much light was left out, and how much clamping took.
+constexpr const char* kLightLeftOut = R"sql(
+ALTER TABLE jobs ADD COLUMN truncated_throughput REAL NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN clamped_samples INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN clamped_luminance REAL NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut};
 
 }  // namespace
 

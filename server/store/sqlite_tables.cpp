@@ -48,6 +48,9 @@ struct Jobs : JobTable {
         row.rejectedPaths = q.number<uint64_t>(22);
         row.truncatedPaths = q.number<uint64_t>(23);
         row.faultSamples = splitLines(q.text(24));
+        row.truncatedThroughput = q.real(25);
+        row.clampedSamples = q.number<uint64_t>(26);
+        row.clampedLuminance = q.real(27);
         return row;
     }
     static std::optional<JobRow> first(Query& q) { return q.next() ? std::optional(row(q)) : std::nullopt; }
@@ -102,12 +105,14 @@ struct Jobs : JobTable {
         return row.idempotencyKey.empty() ? std::nullopt : std::optional(row.idempotencyKey);
     }
     JobKey insert(const JobRow& row) override {
-        auto q = c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+        auto q =
+            c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.id, toString(row.state), row.priority, row.specJson, keyOrNull(row), row.bodyDigest,
                row.created, row.started, row.finished, row.passes, row.passesMerged, row.pixelSamples,
                row.pixelSamplesMerged, row.frames, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
-               row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples))
+               row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
+               row.clampedSamples, row.clampedLuminance)
             .run();
         return c.db().getLastInsertRowid();
     }
@@ -116,11 +121,13 @@ struct Jobs : JobTable {
             "UPDATE jobs SET state=?, priority=?, started=?, finished=?, passes_merged=?, "
             "pixel_samples_merged=?, frames_started=?, frames_done=?, samples_merged=?, "
             "relative_error=?, device_seconds=?, "
-            "dropped_samples=?, faults=?, rejected_paths=?, truncated_paths=?, fault_samples=? WHERE key=?");
+            "dropped_samples=?, faults=?, rejected_paths=?, truncated_paths=?, fault_samples=?, "
+            "truncated_throughput=?, clamped_samples=?, clamped_luminance=? WHERE key=?");
         q.with(toString(row.state), row.priority, row.started, row.finished, row.passesMerged,
                row.pixelSamplesMerged, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
-               row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.key)
+               row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
+               row.clampedSamples, row.clampedLuminance, row.key)
             .run();
     }
 };

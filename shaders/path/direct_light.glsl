@@ -2,14 +2,13 @@
 #ifndef DIRECT_LIGHT_GLSL
 #define DIRECT_LIGHT_GLSL
 
+#include "direction.glsl"
 #include "light_paths.glsl"
 #include "medium.glsl"
 
 // The side on which a surface sees lights, for lightPmf; zero for both.
 vec3 lightSide(Surface s, Bsdf bsdf) {
-    if (isFogPoint(s)) return vec3(0);
-    bool through = transmits(bsdf.face) || (has(FEATURE_DIFFUSE_TRANSMISSION) && maxComponent(bsdf.diffuse.back) > 0.0);
-    return through ? vec3(0) : s.geometricNormal;
+    return isFogPoint(s) || lightPasses(bsdf) ? vec3(0) : s.geometricNormal;
 }
 
 // What is on either side of a surface: on wo's, and behind it.
@@ -38,7 +37,11 @@ vec3 shadowTransmittance(LightSample l, Medium medium) {
 
 // BSDF times cosine towards wi in the shading frame, with the diffuse base's part in it, or the phase function.
 vec3 scattered(Surface s, Bsdf bsdf, vec3 wo, vec3 wi, out float pdf, out vec3 diffuse) {
-    if (!isFogPoint(s)) return bsdfEvalParts(bsdf, wo, wi, pdf, diffuse);
+    if (!isFogPoint(s)) {
+        vec3 f = bsdfEvalParts(bsdf, wo, wi, pdf, diffuse);
+        if (has(FEATURE_DIRECTION_SAMPLING)) pdf = directionPdf(bsdf, wi, pdf);
+        return f;
+    }
     diffuse = vec3(0);
     pdf = phasePdf(fogAnisotropy(), -wo, wi);
     return vec3(pdf);
@@ -59,7 +62,9 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
     if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG))
         contribution *= shadowTransmittance(l, wi.z > 0.0 || isFogPoint(s) ? media.near : media.far);
-    if (!(maxComponent(contribution) > 0.0) || occluded(l, s.primitive, cutoutKey(key, bounce))) return vec3(0);
+    if (!(maxComponent(contribution) > 0.0)) return vec3(0);
+    bool shadows = !has(FEATURE_SHADOW_DEPTH) || bounce < parameters.rules.z;
+    if (shadows && occluded(l, s.primitive, cutoutKey(key, bounce))) return vec3(0);
     if (has(FEATURE_LIGHT_PATHS)) {
         if (isFogPoint(s))
             parts.volume += contribution;

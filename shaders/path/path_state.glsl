@@ -18,11 +18,21 @@ struct PathState {
     uint channel;       // the only one left after dispersion; 3: all
     uint bounce;        // how many times it has scattered
     FirstScattering first;  // with FEATURE_LIGHT_PATHS
+    bool rough;         // FEATURE_REGULARISATION: at a surface that was no mirror
+    float clamped;      // FEATURE_CLAMP: luminance taken away
 };
 
 // Every light that reaches the camera comes by here. `scatterings`: how often it did between light and camera.
 void gather(inout PathState path, vec3 light, uint scatterings) {
     vec3 radiance = path.throughput * light;
+    if (has(FEATURE_CLAMP) && scatterings > 0u) {
+        float bound = scatterings == 1u ? parameters.bounds.x : parameters.bounds.y;
+        float largest = maxComponent(radiance);
+        if (largest > bound) {
+            path.clamped += luminance(radiance) * (1.0 - bound / largest);
+            radiance *= bound / largest;
+        }
+    }
     if (has(FEATURE_LIGHT_PATHS)) splitLight(path.first, radiance, scatterings);
     path.radiance += radiance;
 }

@@ -5,9 +5,18 @@
 #include "direct_light.glsl"
 #include "path_state.glsl"
 
+// Ends paths whatever they carry, or none.
+bool constantRoulette(inout PathState path, float u) {
+    if (parameters.rules.x == ROULETTE_NONE) return true;
+    if (u >= parameters.bounds.w) return false;
+    path.throughput /= parameters.bounds.w;
+    return true;
+}
+
 // Ends dim paths at random and makes up for it in those that survive, whose throughput is then 1: a survival less than
 // the throughput would let the weights of long paths grow without bound. False: the path ends.
 bool russianRoulette(inout PathState path, float u) {
+    if (has(FEATURE_ROULETTE_RULE) && parameters.rules.x != ROULETTE_THROUGHPUT) return constantRoulette(path, u);
     float survival = maxComponent(path.throughput) * path.etaScale;
     if (u >= survival) return false;
     if (survival < 1.0) path.throughput /= survival;
@@ -17,7 +26,7 @@ bool russianRoulette(inout PathState path, float u) {
 // Scatters the path at a surface. False: the path ends.
 bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
     BsdfSample b;
-    bool found = bsdfSample(bsdf, wo, u.xyz, b);
+    bool found = sampleDirection(bsdf, wo, u.xyz, b);
     vec3 direction = found ? normalize(s.frame * b.wi) : vec3(0);
     if (!found || dot(direction, s.geometricNormal) * b.wi.z <= 0.0) {
         rejectedCount++;
@@ -27,6 +36,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
+    if (has(FEATURE_REGULARISATION)) path.rough = path.rough || !b.delta;
     path.from = s.position;
     path.side = lightSide(s, bsdf);
     if ((has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) && b.wi.z < 0.0 && !bsdf.face.thin) {
@@ -50,9 +60,18 @@ bool scatterInFog(inout PathState path, vec3 position, vec4 u) {
     path.ray.origin = position;
     path.ray.skipPrimitive = kNoPrimitive;
     path.delta = false;
+    if (has(FEATURE_REGULARISATION)) path.rough = true;
     path.from = position;
     path.side = vec3(0);
     return maxComponent(path.throughput) > 0.0;
+}
+
+// Kaplanyan, Dachsbacher 2013: behind a rough surface nothing is a mirror, so that lights are found which only a mirror
+// would show. Blurs caustics. Behind FEATURE_REGULARISATION.
+void regularise(inout MaterialPoint m, float least) {
+    m.alpha = max(m.alpha, least);
+    m.alphaT = max(m.alphaT, least);
+    m.clearcoatAlpha = max(m.clearcoatAlpha, least);
 }
 
 // KHR_materials_dispersion: red and blue see an index of refraction that is half the spread less or more. From its

@@ -131,6 +131,9 @@ double FilmPixel::varianceOfMeanLuminance() const {
 void PassFaults::add(const PassFaults& other) {
     rejectedPaths += other.rejectedPaths;
     truncatedPaths += other.truncatedPaths;
+    truncatedThroughput += other.truncatedThroughput;
+    clampedSamples += other.clampedSamples;
+    clampedLuminance += other.clampedLuminance;
     for (const DroppedSample& sample : other.dropped)
         if (dropped.size() < kMostDropped) dropped.push_back(sample);
 }

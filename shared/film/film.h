@@ -37,6 +37,9 @@ struct DroppedSample {
 struct PassFaults {
     uint64_t rejectedPaths = 0;          // ended on a direction without probability or on the wrong side
     uint64_t truncatedPaths = 0;         // still carried light where the bounce limit ended them
+    double truncatedThroughput = 0;      // largest channel of what they carried, summed up
+    uint64_t clampedSamples = 0;         // that settings.clampDirect or clampIndirect bounded
+    double clampedLuminance = 0;         // that it took away, summed up, W/(sr m²)
     std::vector<DroppedSample> dropped;  // the first few
     /// Keeps at most `kMostDropped` samples.
     void add(const PassFaults& other);

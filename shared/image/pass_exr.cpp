@@ -32,7 +32,11 @@ constexpr size_t kChunkHeader = 3 * sizeof(int32_t);
 constexpr std::string_view kPrefix = "tilefarm.";
 constexpr std::string_view kTile = "tilefarm.pass.tile", kFirst = "tilefarm.pass.first",
                            kCount = "tilefarm.pass.count", kRejected = "tilefarm.pass.rejected",
-                           kTruncated = "tilefarm.pass.truncated", kDropped = "tilefarm.pass.dropped";
+                           kTruncated = "tilefarm.pass.truncated",
+                           kThroughput = "tilefarm.pass.truncatedThroughput",
+                           kClamped = "tilefarm.pass.clamped",
+                           kClampedLuminance = "tilefarm.pass.clampedLuminance",
+                           kDropped = "tilefarm.pass.dropped";
 
 struct Channel {
     std::string_view name;
@@ -170,7 +174,14 @@ private:
 // Only what there is: most passes have no fault.
 void writeFaults(Writer& out, const PassFaults& faults) {
     if (faults.rejectedPaths > 0) out.attribute(kRejected, "tilefarm", faults.rejectedPaths);
-    if (faults.truncatedPaths > 0) out.attribute(kTruncated, "tilefarm", faults.truncatedPaths);
+    if (faults.truncatedPaths > 0) {
+        out.attribute(kTruncated, "tilefarm", faults.truncatedPaths);
+        out.attribute(kThroughput, "tilefarm", faults.truncatedThroughput);
+    }
+    if (faults.clampedSamples > 0) {
+        out.attribute(kClamped, "tilefarm", faults.clampedSamples);
+        out.attribute(kClampedLuminance, "tilefarm", faults.clampedLuminance);
+    }
     if (faults.dropped.empty()) return;
     const auto* bytes = reinterpret_cast<const char*>(faults.dropped.data());
     out.attribute(kDropped, "tilefarm",
@@ -252,7 +263,8 @@ struct PartHeader {
     std::optional<Box> dataWindow, displayWindow;
     std::optional<std::string_view> type;
     std::optional<int32_t> tile, first, count;
-    std::optional<uint64_t> rejected, truncated;
+    std::optional<uint64_t> rejected, truncated, clamped;
+    std::optional<double> throughput, clampedLuminance;
     std::vector<DroppedSample> dropped;
     ImageAttributes attributes;
 };
@@ -284,6 +296,9 @@ void setAttribute(PartHeader& h, std::string_view name, std::string_view type, s
     if (name == kCount) setFixed(h.count, name, value);
     if (name == kRejected) setFixed(h.rejected, name, value);
     if (name == kTruncated) setFixed(h.truncated, name, value);
+    if (name == kThroughput) setFixed(h.throughput, name, value);
+    if (name == kClamped) setFixed(h.clamped, name, value);
+    if (name == kClampedLuminance) setFixed(h.clampedLuminance, name, value);
     if (name == kDropped) setDropped(h, value);
     if (type == "string" && name.starts_with(kPrefix))
         h.attributes[std::string(name.substr(kPrefix.size()))] = std::string(value);
@@ -324,11 +339,15 @@ PassFilm filmOf(const PartHeader& h) {
     film.samples = {static_cast<uint32_t>(*h.first), static_cast<uint32_t>(*h.count)};
     film.rect = {static_cast<uint32_t>(d.minX), static_cast<uint32_t>(d.minY),
                  static_cast<uint32_t>(d.maxX - d.minX + 1), static_cast<uint32_t>(d.maxY - d.minY + 1)};
-    film.faults = {h.rejected.value_or(0), h.truncated.value_or(0), h.dropped};
+    film.faults = {h.rejected.value_or(0), h.truncated.value_or(0),        h.throughput.value_or(0),
+                   h.clamped.value_or(0),  h.clampedLuminance.value_or(0), h.dropped};
     // More paths than were rendered end in no way.
     const uint64_t paths = film.rect.area() * film.samples.count;
-    require(film.faults.truncatedPaths <= paths && film.faults.rejectedPaths <= paths,
+    require(film.faults.truncatedPaths <= paths && film.faults.rejectedPaths <= paths &&
+                film.faults.clampedSamples <= paths,
             "it counts more faults than paths");
+    for (const double sum : {film.faults.truncatedThroughput, film.faults.clampedLuminance})
+        require(std::isfinite(sum) && sum >= 0, "its sums of light left out are no such sums");
     for (const DroppedSample& sample : film.faults.dropped)
         require(sample.x - film.rect.x < film.rect.width && sample.y - film.rect.y < film.rect.height &&
                     sample.sample - film.samples.first < film.samples.count,

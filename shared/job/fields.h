@@ -64,6 +64,31 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
               settings.maxBounces, {0, 1024});
     v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},
               settings.rouletteStart, {0, 1024});
+    v.choice(
+        {"roulette",
+         "which paths it ends: those that carry little (throughput), all alike (constant) or none; no rule "
+         "is biased"},
+        settings.roulette, kRouletteChoices);
+    v.number({"rouletteSurvival", "probability of going on, of the constant rule"}, settings.rouletteSurvival,
+             {0.05, 1});
+    v.integer({"shadowDepth",
+               "scatterings before lights shine through everything; a biased knob: below maxBounces the "
+               "picture is too bright"},
+              settings.shadowDepth, {0, 1024});
+    v.choice({"directionSampling",
+              "how a path's next direction is drawn: by what the surface scatters (bsdf), by the cosine, or "
+              "uniform over the sphere; none is biased"},
+             settings.directionSampling, kDirectionSamplingChoices);
+    v.number(
+        {"clampDirect",
+         "W/(sr m²): bound of the largest channel of light that scattered once; 0 for none, else biased"},
+        settings.clampDirect, {0, 1e30});
+    v.number({"clampIndirect", "likewise of light that scattered more than once"}, settings.clampIndirect,
+             {0, 1e30});
+    v.number({"regularisation",
+              "least microfacet α of surfaces that a path meets behind a rough one; 0 for none, else biased: "
+              "caustics blur"},
+             settings.regularisation, {0, 1});
     v.choice({"lightSelection",
               "which light a surface point asks: one by its estimated share there (tree), "
               "one by power, one of all alike (uniform), or every one (all)"},

@@ -56,6 +56,13 @@ struct RenderSettings {
     uint32_t rouletteStart = 4;  // bounces before Russian roulette; unbiased at any value
     Integrator integrator = Integrator::path;
     double aoDistance = 0;  // m that ambient occlusion reaches; 0: half the diagonal of the scene's box
+    RouletteRule roulette = RouletteRule::throughput;
+    double rouletteSurvival = 0.8;  // of the constant rule
+    uint32_t shadowDepth = 1024;    // scatterings before lights shine through all; biased below maxBounces
+    DirectionSampling directionSampling = DirectionSampling::bsdf;
+    double clampDirect = 0;    // greatest channel of what one sample gathers at once, W/(sr m²); 0: no bound
+    double clampIndirect = 0;  // likewise of light that scattered more than once; both are biased
+    double regularisation = 0;  // least α of surfaces behind a rough one; biased
     LightSelection lightSelection = LightSelection::power;
     DirectLight directLight = DirectLight::mis;
     Microfacets microfacets = Microfacets::ggx;  // of materials that do not say theirs

@@ -61,4 +61,18 @@ enum class PixelFilter : uint8_t { box, tent, gaussian, blackmanHarris };
 
 enum class Sampler : uint8_t { random, stratified, sobol };
 
+/// How a path's next direction is drawn where it does not meet a mirror. All have the same mean.
+enum class DirectionSampling : uint8_t {
+    bsdf,     // in proportion to what the surface scatters
+    cosine,   // in proportion to the cosine, on both sides where light passes
+    uniform,  // over the whole sphere
+};
+
+/// Which paths end at random. All have the same mean.
+enum class RouletteRule : uint8_t {
+    throughput,  // one survives with the probability of what it still carries
+    constant,    // with one that is the same for all
+    none,        // all go on to the bounce limit
+};
+
 }  // namespace tilefarm

@@ -36,6 +36,16 @@ inline constexpr std::array kSamplerChoices{
     Choice<Sampler>{"stratified", Sampler::stratified},
     Choice<Sampler>{"sobol", Sampler::sobol},
 };
+inline constexpr std::array kDirectionSamplingChoices{
+    Choice<DirectionSampling>{"bsdf", DirectionSampling::bsdf},
+    Choice<DirectionSampling>{"cosine", DirectionSampling::cosine},
+    Choice<DirectionSampling>{"uniform", DirectionSampling::uniform},
+};
+inline constexpr std::array kRouletteChoices{
+    Choice<RouletteRule>{"throughput", RouletteRule::throughput},
+    Choice<RouletteRule>{"constant", RouletteRule::constant},
+    Choice<RouletteRule>{"none", RouletteRule::none},
+};
 inline constexpr uint32_t kMostShutterSteps = 32;
 
 template <typename Visitor>

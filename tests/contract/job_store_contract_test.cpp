@@ -102,6 +102,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.deviceSeconds = 1.5;
         job.rejectedPaths = 11;
         job.truncatedPaths = 12;
+        job.truncatedThroughput = 0.5;
+        job.clampedSamples = 13;
+        job.clampedLuminance = 0.75;
         job.faultSamples = {"0 1 2 3", "4 5 6 7"};
         t.jobs.update(job);
     });
@@ -120,6 +123,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.faults, (std::vector<std::string>{"one", "two words"}));
         EXPECT_EQ(found.rejectedPaths, 11u);
         EXPECT_EQ(found.truncatedPaths, 12u);
+        EXPECT_EQ(found.truncatedThroughput, 0.5);
+        EXPECT_EQ(found.clampedSamples, 13u);
+        EXPECT_EQ(found.clampedLuminance, 0.75);
         EXPECT_EQ(found.faultSamples, (std::vector<std::string>{"0 1 2 3", "4 5 6 7"}));
         EXPECT_EQ(t.jobs.find("a")->key, key);
         EXPECT_FALSE(t.jobs.find("b"));

@@ -102,6 +102,9 @@ private:
         now.droppedSamples -= before_.droppedSamples;
         now.faults.rejectedPaths -= before_.faults.rejectedPaths;
         now.faults.truncatedPaths -= before_.faults.truncatedPaths;
+        now.faults.truncatedThroughput -= before_.faults.truncatedThroughput;
+        now.faults.clampedSamples -= before_.faults.clampedSamples;
+        now.faults.clampedLuminance -= before_.faults.clampedLuminance;
         auto& dropped = now.faults.dropped;
         dropped.erase(dropped.begin(),
                       dropped.begin() + static_cast<std::ptrdiff_t>(before_.faults.dropped.size()));

@@ -40,10 +40,14 @@ json numericsJson(const JobSpec& spec, const RenderStats& stats) {
                            {"sample", s.sample},
                            {"seed", spec.settings.seed}});
     const double paths = static_cast<double>(stats.samples);
+    const auto perPath = [&](double sum) { return paths > 0 ? sum / paths : 0; };
     return {{"droppedSamples", stats.droppedSamples},
             {"rejectedPaths", stats.faults.rejectedPaths},
             {"truncatedPaths", stats.faults.truncatedPaths},
-            {"truncatedShare", paths > 0 ? static_cast<double>(stats.faults.truncatedPaths) / paths : 0},
+            {"truncatedShare", perPath(static_cast<double>(stats.faults.truncatedPaths))},
+            {"truncatedThroughput", perPath(stats.faults.truncatedThroughput)},
+            {"clampedSamples", stats.faults.clampedSamples},
+            {"clampedLuminance", perPath(stats.faults.clampedLuminance)},
             {"samples", samples}};
 }
 

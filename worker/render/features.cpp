@@ -64,6 +64,11 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "uv channel",
     "Cryptomatte",
     "nested media",
+    "clamping",
+    "path regularisation",
+    "direction sampling",
+    "shadow depth",
+    "roulette rule",
 };
 static_assert(!kNames.back().empty());
 

@@ -44,7 +44,7 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
     if (m.anisotropy > 0) features |= gpu::bit(gpu::FEATURE_ANISOTROPY);
     if (isSmooth(m) || m.metallicRoughnessTexture || (m.transmission > 0 && m.ior == 1))
         features |= gpu::bit(gpu::FEATURE_MIRROR);
-    if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0))
+    if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0 || settings.regularisation > 0))
         features |= gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);
     return features;
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "shared/error/error.h"
 #include "worker/render/camera_parameters.h"
@@ -11,6 +13,7 @@
 #include "worker/render/gpu_scene.h"
 #include "worker/render/integrators.h"
 #include "worker/render/output_features.h"
+#include "worker/render/path_rules.h"
 #include "worker/render/raster_pass.h"
 #include "worker/render/sample_parameters.h"
 #include "worker/vk/commands.h"
@@ -117,7 +120,7 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
       kernel(kernelOf(how.integrator)),
       integrator(how, source.environment),
       grid(size),
-      wanted(samplingFeatures(how) | kernel.calls | alsoCompiled),
+      wanted(samplingFeatures(how) | pathRuleFeatures(how) | kernel.calls | alsoCompiled),
       layout(layoutOf(alsoCompiled & kernel.shows)),
       camera(path),
       tilesPerBatch(traces() ? 1
@@ -213,6 +216,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         if (moved.pivot) *moved.pivot -= moment.centre;
         setCameraPath(p, moved, image);
         setSampling(p, settings);
+        setPathRules(p, settings);
         p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
@@ -243,6 +247,12 @@ uint64_t Renderer::Impl::filmBytes() const {
     return tileBytes() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
 }
 
+// A float's bits; a sum that left the floats counts as the largest of them.
+double finite(uint32_t bits) {
+    const auto sum = std::bit_cast<float>(bits);
+    return std::isfinite(sum) ? sum : std::numeric_limits<float>::max();
+}
+
 // Of one dispatch; `faults` by tile of the batch.
 void Renderer::Impl::countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
                                  std::span<PassFaults> faults) {
@@ -258,8 +268,12 @@ void Renderer::Impl::countFaults(std::span<const uint32_t> counts, std::span<con
         faults[static_cast<size_t>(at)].add(one);
     }
     for (size_t i = 0; i < faults.size(); ++i) {
-        faults[i].rejectedPaths += ofTiles[i * gpu::TILE_COUNTERS + gpu::TILE_REJECTED];
-        faults[i].truncatedPaths += ofTiles[i * gpu::TILE_COUNTERS + gpu::TILE_TRUNCATED];
+        const uint32_t* tile = &ofTiles[i * gpu::TILE_COUNTERS];
+        faults[i].rejectedPaths += tile[gpu::TILE_REJECTED];
+        faults[i].truncatedPaths += tile[gpu::TILE_TRUNCATED];
+        faults[i].truncatedThroughput += finite(tile[gpu::TILE_TRUNCATED_THROUGHPUT]);
+        faults[i].clampedSamples += tile[gpu::TILE_CLAMPED];
+        faults[i].clampedLuminance += finite(tile[gpu::TILE_CLAMPED_RADIANCE]);
     }
 }
 

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <cstring>
 #include <random>
 
@@ -95,7 +97,7 @@ TEST(HostilePassExr, WithFurtherChannelsThatAreSpoiltOrCutIsRefusedOrReadButDoes
 TEST(PassExr, CarriesTheFaultsOfEachPass) {
     auto films = someFilms();
     const Rect& r = films[1].rect;
-    films[1].faults = {7, uint64_t{1} << 10, {{r.x + 3, r.y + 2, 65}, {r.x, r.y, 127}}};
+    films[1].faults = {7, uint64_t{1} << 10, 5.5, 3, 0.25, {{r.x + 3, r.y + 2, 65}, {r.x, r.y, 127}}};
     const auto read = decodePassFilms(encodePassFilms(films, kImage, kAttributes));
     for (size_t i = 0; i < films.size(); ++i) EXPECT_EQ(read[i].faults, films[i].faults) << i;
 }
@@ -108,10 +110,13 @@ TEST(HostilePassExr, WithFaultsThatCannotBeIsRefused) {
         return codeOf([&] { decodePassFilms(bytes); }) == ErrorCode::unprocessable;
     };
     const Rect r = someFilms()[1].rect;
-    EXPECT_TRUE(refused({uint64_t{1} << 40, 0, {}}));
-    EXPECT_TRUE(refused({0, 0, {{r.x + r.width, r.y, 64}}})) << "beside the tile";
-    EXPECT_TRUE(refused({0, 0, {{r.x, r.y, 3}}})) << "of another pass";
-    EXPECT_TRUE(refused({0, 0, std::vector<DroppedSample>(kMostDropped + 1, {r.x, r.y, 64})}));
+    EXPECT_TRUE(refused({uint64_t{1} << 40, 0, 0, 0, 0, {}}));
+    EXPECT_TRUE(refused({0, 0, 0, uint64_t{1} << 40, 0, {}}));
+    EXPECT_TRUE(refused({0, 1, -1, 0, 0, {}})) << "negative light";
+    EXPECT_TRUE(refused({0, 0, 0, 1, std::numeric_limits<double>::quiet_NaN(), {}}));
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, {{r.x + r.width, r.y, 64}}})) << "beside the tile";
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, {{r.x, r.y, 3}}})) << "of another pass";
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, std::vector<DroppedSample>(kMostDropped + 1, {r.x, r.y, 64})}));
 }
 
 TEST(PassExr, IsAnExrThatOpenExrReadsAlike) {

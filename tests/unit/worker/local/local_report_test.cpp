@@ -16,7 +16,7 @@ struct LocalReportTest : testing::Test {
         scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
         scene.features = {{"environment"}, {"textures"}, {}};
         scene.loadSeconds = 0.5;
-        frame.stats = {2.0, 1000, 4000, 7, {3, 250, {{5, 6, 11}}}};
+        frame.stats = {2.0, 1000, 4000, 7, {3, 250, 50, 20, 5, {{5, 6, 11}}}};
         spec.settings.seed = 9;
         frame.seconds = 2.5;
         frame.errorCurve = {{1, std::nullopt, 0.5}, {2, 0.25, 2.0}};
@@ -45,6 +45,9 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["droppedSamples"], 7);
     EXPECT_EQ(report["numerics"]["rejectedPaths"], 3);
     EXPECT_EQ(report["numerics"]["truncatedShare"], 0.25);
+    EXPECT_EQ(report["numerics"]["truncatedThroughput"], 0.05);
+    EXPECT_EQ(report["numerics"]["clampedSamples"], 20);
+    EXPECT_EQ(report["numerics"]["clampedLuminance"], 0.005);
     EXPECT_EQ(report["numerics"]["samples"][0],
               (nlohmann::json{{"frame", 0}, {"x", 5}, {"y", 6}, {"sample", 11}, {"seed", 9}}));
     EXPECT_EQ(report["errorCurve"][0]["relativeError"], nullptr);
