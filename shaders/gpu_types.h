@@ -302,7 +302,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 448 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 480 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 24);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
