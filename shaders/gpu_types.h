@@ -200,6 +200,7 @@ GPU_CONSTANT VIEW_GEOMETRIC_NORMAL = 2;  // likewise
 GPU_CONSTANT VIEW_DEPTH = 3;             // m along the camera ray
 GPU_CONSTANT VIEW_UV = 4;                // of the first set, fractions
 GPU_CONSTANT VIEW_MATERIAL = 5;          // a colour for each
+GPU_CONSTANT VIEW_OBJECT = 6;            // likewise, by the ids of BINDING_MATTES
 
 // FrameParameters::filtering.x
 GPU_CONSTANT FILTER_PIXEL = 0;  // the box of one pixel

@@ -19,6 +19,7 @@ vec3 shown(Surface s, MaterialPoint m, float t) {
         case VIEW_DEPTH: return vec3(t);
         case VIEW_UV: return vec3(s.uv0 - floor(s.uv0), 0.0);
         case VIEW_MATERIAL: return colorOf(s.material);
+        case VIEW_OBJECT: return colorOf(LOAD(matteTexels, s.primitive >> 1u)[2u * (s.primitive & 1u)]);
     }
     return vec3(0);
 }

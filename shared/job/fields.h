@@ -56,12 +56,13 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
     v.choice({"integrator",
               "path: all light, unbiased; whitted: mirrors, refraction and hard shadows; "
               "raster: drawn, without shadows; ambient-occlusion; or "
-              "a view of the first surface: albedo, normal, geometric-normal, depth, uv, material"},
+              "a view of the first surface: albedo, normal, geometric-normal, depth, uv, material, object"},
              settings.integrator, kIntegratorChoices);
     v.number({"aoDistance", "m that ambient-occlusion reaches; 0: half the diagonal of the scene's box"},
              settings.aoDistance, {0, 1e9});
-    v.integer({"maxBounces", "scatterings after the camera ray, at surfaces and in fog; 0 shows emission only"},
-              settings.maxBounces, {0, 1024});
+    v.integer(
+        {"maxBounces", "scatterings after the camera ray, at surfaces and in fog; 0 shows emission only"},
+        settings.maxBounces, {0, 1024});
     v.integer({"rouletteStart", "bounces before Russian roulette, which is unbiased at any value"},
               settings.rouletteStart, {0, 1024});
     v.choice(

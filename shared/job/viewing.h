@@ -54,6 +54,7 @@ enum class Integrator : uint8_t {
     depth,
     uv,
     material,
+    object,
 };
 
 /// How samples are spread over a pixel; each keeps the mean of the picture that its filter defines.

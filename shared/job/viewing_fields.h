@@ -24,6 +24,7 @@ inline constexpr std::array kIntegratorChoices{
     Choice<Integrator>{"depth", Integrator::depth},
     Choice<Integrator>{"uv", Integrator::uv},
     Choice<Integrator>{"material", Integrator::material},
+    Choice<Integrator>{"object", Integrator::object},
 };
 inline constexpr std::array kPixelFilterChoices{
     Choice<PixelFilter>{"box", PixelFilter::box},

@@ -131,20 +131,24 @@ TEST_F(IntegratorTest, ViewsShowWhatTheFirstSurfaceIs) {
         }
 }
 
-TEST_F(IntegratorTest, MaterialViewTellsMaterialsApart) {
+TEST_F(IntegratorTest, MaterialsAndObjectsAreToldApart) {
     Scene scene;
-    for (int i = 0; i < 16; ++i)
+    for (int i = 0; i < 16; ++i) {
         addMesh(scene, quadMesh({float(i % 4), float(i / 4), 0}, {1, 0, 0}, {0, 1, 0}),
                 matte(glm::vec3(0.5f)));
-    const auto frame = renderFrame(device, scene, orthographic({2, 2, 1}, {2, 2, 0}, 2), square(4),
-                                   with(Integrator::material, 8, false), 1);
-    for (size_t i = 0; i < frame.size(); ++i)
-        for (size_t j = 0; j < i; ++j) {
-            double apart = 0;
-            for (size_t c = 0; c < 3; ++c)
-                apart = std::max(apart, std::abs(frame[i].mean[c] - frame[j].mean[c]));
-            EXPECT_GT(apart, 0.02) << i << ", " << j;
-        }
+        scene.instances.back().node = "node " + std::to_string(i);
+    }
+    for (const Integrator view : {Integrator::material, Integrator::object}) {
+        const auto frame = renderFrame(device, scene, orthographic({2, 2, 1}, {2, 2, 0}, 2), square(4),
+                                       with(view, 8, false), 1);
+        for (size_t i = 0; i < frame.size(); ++i)
+            for (size_t j = 0; j < i; ++j) {
+                double most = 0;
+                for (size_t c = 0; c < 3; ++c)
+                    most = std::max(most, std::abs(frame[i].mean[c] - frame[j].mean[c]));
+                EXPECT_GT(most, 0.02) << i << ", " << j;
+            }
+    }
 }
 
 // ---- Whitted

@@ -165,7 +165,8 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     to.add(TexelFormat::rgba32f, materials.albedoTables, "albedo tables");
     to.add(TexelFormat::rgba32ui, lights.tree, "light tree");
     to.add(TexelFormat::rgba32ui, packShapes(world.shapes), "shapes");
-    const bool mattes = (result.features & gpu::bit(gpu::FEATURE_CRYPTOMATTE)) != 0;
+    const bool mattes = (result.features & gpu::bit(gpu::FEATURE_CRYPTOMATTE)) != 0 ||
+                        settings.integrator == Integrator::object;
     to.add(TexelFormat::rgba32ui, mattes ? packMattes(scene, world) : std::vector<glm::uvec4>{}, "mattes");
     times.uploadSeconds += secondsSince(upload);
     return result;

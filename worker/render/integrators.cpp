@@ -46,6 +46,7 @@ uint32_t viewOf(Integrator integrator) {
         case Integrator::depth: return gpu::VIEW_DEPTH;
         case Integrator::uv: return gpu::VIEW_UV;
         case Integrator::material: return gpu::VIEW_MATERIAL;
+        case Integrator::object: return gpu::VIEW_OBJECT;
         default: return gpu::VIEW_ALBEDO;
     }
 }
