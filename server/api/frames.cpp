@@ -83,14 +83,14 @@ HttpResponse getExr(Services& s, HttpRequest& r) {
 }
 
 HttpResponse getPng(Services& s, HttpRequest& r) {
-    return pictureResponse(r,
-                           s.images.png(r.parameter("job"), frameNumber(r.parameter("frame")), toneOf(r), 0));
+    return pictureResponse(r, s.images.png(r.parameter("job"), frameNumber(r.parameter("frame")), toneOf(r),
+                                           0, r.queriedFlag("denoised")));
 }
 
 HttpResponse getPreview(Services& s, HttpRequest& r) {
     const auto width = static_cast<uint32_t>(r.queriedInteger("width", 16, 4096, 640));
-    return pictureResponse(
-        r, s.images.png(r.parameter("job"), frameNumber(r.parameter("frame")), toneOf(r), width));
+    return pictureResponse(r, s.images.png(r.parameter("job"), frameNumber(r.parameter("frame")), toneOf(r),
+                                           width, r.queriedFlag("denoised")));
 }
 
 }  // namespace tilefarm

@@ -75,6 +75,12 @@ double HttpRequest::queriedNumber(const std::string& name, double least, double 
     return queriedAs<double>(*this, name, least, most, otherwise);
 }
 
+bool HttpRequest::queriedFlag(const std::string& name) const {
+    const auto text = queried(name);
+    if (text && *text != "0" && *text != "1") badQuery(name, "must be 0 or 1");
+    return text == "1";
+}
+
 void HttpRequest::readBody(uint64_t mostBytes, const Consumer& consumer) {
     const auto refuse = [&] {
         throw Error(ErrorCode::tooLarge, "the body exceeds " + std::to_string(mostBytes) + " bytes");

@@ -33,6 +33,8 @@ public:
                             std::optional<uint64_t> otherwise = {}) const;
     double queriedNumber(const std::string& name, double least, double most,
                          std::optional<double> otherwise = {}) const;
+    /// 1 or 0; false if it is missing. Throws Error(invalidArgument) that names the parameter for others.
+    bool queriedFlag(const std::string& name) const;
 
     /// Streams the body. Throws Error(tooLarge) once it exceeds `mostBytes`.
     void readBody(uint64_t mostBytes, const Consumer& consumer);

@@ -28,6 +28,7 @@ struct Arguments {
     std::filesystem::path output, input;
     std::string frame, frames, channel, tone = "pbrNeutral";
     float exposure = 0;
+    bool denoised = false, wrap = false;
     double fps = 0;
     CompareOptions compare;
 };
@@ -49,8 +50,12 @@ ToneMapping toneOf(const Arguments& arguments) {
     return {toneCurveFrom(arguments.tone), arguments.exposure};
 }
 
+PictureOptions looksOf(const Arguments& arguments) {
+    return {.exr = {}, .png = {}, .tone = toneOf(arguments), .denoised = arguments.denoised};
+}
+
 PictureOptions pictureFor(const Arguments& arguments) {
-    PictureOptions pictures{.exr = {}, .png = {}, .tone = toneOf(arguments)};
+    PictureOptions pictures = looksOf(arguments);
     const std::string name = arguments.output.string();
     if (hasSuffix(name, ".exr"))
         pictures.exr = arguments.output;
@@ -72,6 +77,11 @@ void addTone(CLI::App& command, Arguments& a) {
     command.add_option("--tone", a.tone, "tone curve of the PNG: linear, aces or pbrNeutral")
         ->capture_default_str()
         ->check(CLI::IsMember({"linear", "aces", "pbrNeutral"}));
+}
+
+void addDenoised(CLI::App& command, Arguments& a) {
+    command.add_flag("--denoised", a.denoised,
+                     "PNGs show the picture without its noise, of jobs with output.denoise; biased");
 }
 
 using Run = std::function<int()>;
@@ -127,6 +137,7 @@ private:
         CLI::App& c = command("submit", "send a scene to be rendered and print the job's id",
                               online([this](FarmClient& farm) {
                                   a_.submit.pictures.tone = toneOf(a_);
+                                  a_.submit.pictures.denoised = a_.denoised;
                                   return submit(farm, a_.submit, console_);
                               }));
         c.add_option("scene", a_.submit.scene, "a .gltf or .glb")->required();
@@ -137,6 +148,7 @@ private:
                      "wait and write the EXR here; ### is the frame's number");
         c.add_option("--png", a_.submit.pictures.png, "wait and write a PNG here");
         addTone(c, a_);
+        addDenoised(c, a_);
     }
 
     void addLooks() {
@@ -180,7 +192,7 @@ private:
                 if (!zip) pictureFor(a_);  // refuses other suffixes
                 if (zip && a_.frames.empty()) a_.frames = "all";
                 if (!a_.frames.empty())
-                    return downloadFrames(farm, a_.job, a_.frames, a_.output, toneOf(a_), console_);
+                    return downloadFrames(farm, a_.job, a_.frames, a_.output, looksOf(a_), console_);
                 return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
             }));
         c.add_option("id", a_.job, "the job")->required();
@@ -191,15 +203,17 @@ private:
         c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png, or a .zip of EXRs")
             ->required();
         addTone(c, a_);
+        addDenoised(c, a_);
         CLI::App& movie =
             command("movie", "make a movie of a job's frames, with ffmpeg", online([this](FarmClient& farm) {
-                        return makeMovie(farm, a_.job, a_.output, a_.fps, toneOf(a_), console_);
+                        return makeMovie(farm, a_.job, a_.output, a_.fps, looksOf(a_), console_);
                     }));
         movie.add_option("id", a_.job, "the job")->required();
         movie.add_option("-o,--output", a_.output, "a file that ends with .mp4, .webm, .gif, …")->required();
         movie.add_option("--fps", a_.fps, "frames a second; else the job's own")
             ->check(CLI::Range(0.001, 1000.0));
         addTone(movie, a_);
+        addDenoised(movie, a_);
     }
 
     void addImageTools() {
@@ -217,9 +231,19 @@ private:
         });
         png.add_option("exr", a_.input, "an EXR")->required();
         png.add_option("-o,--output", a_.output, "the PNG")->required();
-        png.add_option("--channel", a_.channel,
-                       "a layer (albedo, normal, variance) or channel (Z, samples) instead of the picture");
+        png.add_option(
+            "--channel", a_.channel,
+            "a layer (denoised, albedo, normal, variance) or channel (Z, samples) instead of the picture");
         addTone(png, a_);
+
+        CLI::App& denoised = command(
+            "denoise", "add the picture without its noise to an EXR, beside the raw one; it is biased",
+            [this] { return denoiseFile(a_.input, a_.output, a_.wrap, console_); });
+        denoised.add_option("in", a_.input, "an EXR of a frame")->required();
+        denoised
+            .add_option("out", a_.output, "the EXR with channels denoised.R, denoised.G, denoised.B as well")
+            ->required();
+        denoised.add_flag("--wrap", a_.wrap, "left and right edge meet; of itself where the file says so");
     }
 
     const Console& console_;

@@ -18,6 +18,7 @@ namespace tilefarm {
 struct PictureOptions {
     std::filesystem::path exr, png;  // empty: not wanted
     ToneMapping tone;                // of the PNG
+    bool denoised = false;           // the PNG shows the picture without its noise
 };
 
 // ---- submit.cpp
@@ -46,12 +47,13 @@ int download(FarmClient& farm, const std::string& id, std::optional<int32_t> fra
 
 // ---- frames.cpp
 
-/// The pictures of several frames, "all" or a range: numbered files, or a .zip of EXRs.
+/// The pictures of several frames, "all" or a range: numbered files, or a .zip of EXRs. PNGs look as `like`
+/// says.
 int downloadFrames(FarmClient& farm, const std::string& id, const std::string& which,
-                   const std::filesystem::path& output, const ToneMapping& tone, const Console& console);
+                   const std::filesystem::path& output, const PictureOptions& like, const Console& console);
 /// All frames as a movie, by ffmpeg; what kind, the file's suffix says. `fps` 0: the job's own.
 int makeMovie(FarmClient& farm, const std::string& id, const std::filesystem::path& output, double fps,
-              const ToneMapping& tone, const Console& console);
+              const PictureOptions& like, const Console& console);
 
 // ---- show.cpp
 
@@ -74,5 +76,12 @@ int compare(const CompareOptions& options, const Console& console);
 /// Shows an EXR as a PNG: its picture, or a layer ("albedo", "normal", "variance") or channel ("Z").
 int convertToPng(const std::filesystem::path& exr, const std::filesystem::path& png,
                  const std::string& channel, const ToneMapping& tone, const Console& console);
+
+// ---- denoise.cpp
+
+/// Adds the picture without its noise to a frame's EXR. Left and right edge meet if `wrap` or if the file
+/// says that it is a panorama.
+int denoiseFile(const std::filesystem::path& in, const std::filesystem::path& out, bool wrap,
+                const Console& console);
 
 }  // namespace tilefarm

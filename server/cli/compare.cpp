@@ -108,9 +108,9 @@ int compare(const CompareOptions& options, const Console& console) {
 int convertToPng(const std::filesystem::path& exr, const std::filesystem::path& png,
                  const std::string& channel, const ToneMapping& tone, const Console& console) {
     const FloatImage image = readExr(exr);
-    // Layers are data, not light: no curve bends them.
-    if (channel.empty())
-        writePng(png, toneMapped(image, tone));
+    // Layers but this one are data, not light: no curve bends them.
+    if (channel.empty() || channel == "denoised")
+        writePng(png, toneMapped(channel.empty() ? image : layerOf(image, channel), tone));
     else
         writePng(png, toneMapped(layerOf(image, channel), {ToneCurve::linear, tone.exposure}));
     console.err << fmt::format("wrote {}\n", png.string());

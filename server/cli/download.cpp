@@ -24,8 +24,8 @@ void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const
     if (!pictures.exr.empty()) fetch(farm, image + ".exr", pictures.exr, console);
     if (!pictures.png.empty())
         fetch(farm,
-              fmt::format("{}.png?exposure={}&tone={}", image, pictures.tone.exposure,
-                          toString(pictures.tone.curve)),
+              fmt::format("{}.png?exposure={}&tone={}{}", image, pictures.tone.exposure,
+                          toString(pictures.tone.curve), pictures.denoised ? "&denoised=1" : ""),
               pictures.png, console);
 }
 

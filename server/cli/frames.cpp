@@ -107,7 +107,7 @@ int run(std::vector<std::string> words) {
 }  // namespace
 
 int downloadFrames(FarmClient& farm, const std::string& id, const std::string& which, const fs::path& output,
-                   const ToneMapping& tone, const Console& console) {
+                   const PictureOptions& like, const Console& console) {
     const FrameRange frames = which == "all" ? framesOf(specOf(farm, id)) : framesFrom(which);
     const bool zip = hasSuffix(output.string(), ".zip");
     const WorkFolder folder;
@@ -116,7 +116,7 @@ int downloadFrames(FarmClient& farm, const std::string& id, const std::string& w
         const int32_t frame = frameAt(frames, i);
         const fs::path file = zip ? folder / numbered("frame.exr", frame).string() : numbered(output, frame);
         const bool exr = hasSuffix(file.string(), ".exr");
-        downloadFrame(farm, id, frame, {exr ? file : "", exr ? "" : file, tone}, console);
+        downloadFrame(farm, id, frame, {exr ? file : "", exr ? "" : file, like.tone, like.denoised}, console);
         members.push_back(file);
     }
     if (!zip) return kDone;
@@ -126,14 +126,14 @@ int downloadFrames(FarmClient& farm, const std::string& id, const std::string& w
 }
 
 int makeMovie(FarmClient& farm, const std::string& id, const fs::path& output, double fps,
-              const ToneMapping& tone, const Console& console) {
+              const PictureOptions& like, const Console& console) {
     const nlohmann::json spec = specOf(farm, id);
     const FrameRange frames = framesOf(spec);
     if (fps <= 0) fps = spec.at("motion").at("fps").get<double>();
     const WorkFolder folder;
     for (uint32_t i = 0; i < frames.count; ++i)
-        downloadFrame(farm, id, frameAt(frames, i), {{}, folder / fmt::format("{:06}.png", i), tone},
-                      console);
+        downloadFrame(farm, id, frameAt(frames, i),
+                      {{}, folder / fmt::format("{:06}.png", i), like.tone, like.denoised}, console);
     // Players want even sizes and 4:2:0; the last row or column is repeated for that.
     const int code = run({"ffmpeg", "-v", "error", "-nostdin", "-y", "-framerate", fmt::format("{}", fps),
                           "-i", (folder / "%06d.png").string(), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "server/film/picture.h"
+#include "shared/denoise/exr_denoise.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
@@ -25,6 +27,21 @@ std::string join(const std::set<std::string>& words) {
     std::string joined;
     for (const std::string& word : words) joined += (joined.empty() ? "" : "; ") + word;
     return joined;
+}
+
+// One core is left to those who ask for pictures and bring results. How many there are decides no bit.
+uint32_t denoiserThreads() {
+    return std::max(1u, std::thread::hardware_concurrency() - 1);
+}
+
+void requireDenoised(bool wanted, const JobSpec& spec, const FrameRow& row) {
+    if (!wanted) return;
+    const std::string name = "frame " + std::to_string(row.frame);
+    if (!spec.output.denoise)
+        throw Error(ErrorCode::conflict,
+                    name + " has no denoised picture: its job does not ask for output.denoise");
+    if (row.state != FrameState::completed)
+        throw Error(ErrorCode::conflict, name + " has no denoised picture until it is complete");
 }
 
 }  // namespace
@@ -160,12 +177,14 @@ ImageFile FrameImages::partialExr(const Frame& frame) {
     return image;
 }
 
-Picture FrameImages::png(const std::string& jobId, int32_t number, const ToneMapping& mapping,
-                         uint32_t width) {
+Picture FrameImages::png(const std::string& jobId, int32_t number, const ToneMapping& mapping, uint32_t width,
+                         bool denoised) {
     const Frame frame = find(jobId, number);
+    requireDenoised(denoised, frame.info->spec, frame.row);
     const std::scoped_lock lock(making_);
     const std::string key = jobId + "/" + std::to_string(number) + "/" + std::to_string(mapping.exposure) +
-                            "/" + std::string(toString(mapping.curve)) + "/" + std::to_string(width);
+                            "/" + std::string(toString(mapping.curve)) + "/" + std::to_string(width) +
+                            (denoised ? "/denoised" : "");
     const bool partial = frame.row.state != FrameState::completed;
     if (const auto at = pictures_.find(key); at != pictures_.end() && at->second.second.partial == partial &&
                                              (!partial || freshEnough(at->second.first, frame.row))) {
@@ -174,25 +193,26 @@ Picture FrameImages::png(const std::string& jobId, int32_t number, const ToneMap
     const TimePoint begin = clock_.now();
     Picture picture;
     try {
-        picture = makePng(frame, mapping, width);
+        picture = makePng(frame, mapping, width, denoised);
     } catch (const Error&) {
         const Frame again = find(jobId, number);
         if (!partial || again.row.state != FrameState::completed) throw;
-        picture = makePng(again, mapping, width);
+        picture = makePng(again, mapping, width, denoised);
     }
     if (pictures_.size() >= kPicturesKept) pictures_.clear();
     pictures_[key] = {{frame.row.revision, clock_.now(), clock_.now() - begin}, picture};
     return picture;
 }
 
-Picture FrameImages::makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width) {
+Picture FrameImages::makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised) {
     const ImageSpec& image = frame.info->spec.image;
     const bool partial = frame.row.state != FrameState::completed;
     PictureBuilder builder(image.width, image.height, width == 0 ? image.width : width, mapping);
     if (partial) {
         for (uint32_t i = 0; i < frame.info->grid.count(); ++i) builder.add(tile(frame, i));
     } else {
-        forEachRows(finalPath(frame), [&](uint32_t y, auto pixels) { builder.addRows(y, pixels); });
+        forEachRows(finalPath(frame), denoised ? "denoised" : "",
+                    [&](uint32_t y, auto pixels) { builder.addRows(y, pixels); });
     }
     auto png = std::make_shared<const std::vector<std::byte>>(encodePng(builder.finish()));
     return {png, sha256Hex(*png), partial};
@@ -217,10 +237,21 @@ std::vector<std::string> FrameImages::finishFrames() {
     return faults;
 }
 
+// A denoised frame is written raw first: the denoiser reads bands of it, and the rest of the file as it is.
+void FrameImages::writeFinal(const Frame& frame, const fs::path& path) {
+    const JobSpec& spec = frame.info->spec;
+    const std::string name = frame.job.id + "-" + std::to_string(frame.row.frame) + "-raw.exr";
+    const fs::path raw = spec.output.denoise ? folder_ / "cache" / name : path;
+    write(raw, frame);
+    if (!spec.output.denoise) return;
+    denoiseExr(raw, path, {.wrap = spec.view.kind == ViewKind::panorama, .threads = denoiserThreads()});
+    fs::remove(raw);
+}
+
 void FrameImages::finish(const Frame& frame) {
     const fs::path path = finalPath(frame);
     makeFolder(path.parent_path());
-    write(path, frame);
+    writeFinal(frame, path);
     films_.reached("image written");
     scheduler_.frameWritten(frame.job.key, frame.row.frame, sha256OfFile(path), fs::file_size(path));
     films_.reached("frame completed");

@@ -40,8 +40,10 @@ public:
 
     /// Throw Error(notFound) for an unknown job, or a frame without a film yet.
     ImageFile exr(const std::string& jobId, int32_t frame);
-    /// `width` 0: that of the frame.
-    Picture png(const std::string& jobId, int32_t frame, const ToneMapping& mapping, uint32_t width);
+    /// `width` 0: that of the frame. Throws Error(conflict) for a denoised picture that the frame does not
+    /// have, or not yet.
+    Picture png(const std::string& jobId, int32_t frame, const ToneMapping& mapping, uint32_t width,
+                bool denoised = false);
 
     /// Writes the final image of each frame whose passes are all merged, marks it completed, and
     /// removes its film. Frames whose writing fails stay as they are; gives their faults.
@@ -69,9 +71,10 @@ private:
     std::filesystem::path finalPath(const Frame& frame) const;
     ImageFile finalExr(const Frame& frame) const;
     ImageFile partialExr(const Frame& frame);
-    Picture makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width);
+    Picture makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised);
     bool freshEnough(const Made& made, const FrameRow& row) const;
     void finish(const Frame& frame);
+    void writeFinal(const Frame& frame, const std::filesystem::path& path);
 
     JobStore& store_;
     Scheduler& scheduler_;

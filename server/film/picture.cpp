@@ -62,7 +62,7 @@ RgbImage PictureBuilder::finish() {
 }
 
 void forEachRows(
-    const std::filesystem::path& path,
+    const std::filesystem::path& path, const std::string& layer,
     const std::function<void(uint32_t y, std::span<const std::array<float, 3>> pixels)>& visit) try {
     Imf::InputFile file(path.c_str());
     const auto& window = file.header().dataWindow();
@@ -73,10 +73,10 @@ void forEachRows(
         const uint32_t rows = std::min(kRowsAtATime, height - y);
         const Imath::V2i origin(window.min.x, window.min.y + static_cast<int>(y));
         Imf::FrameBuffer buffer;
-        const char* const names[] = {"R", "G", "B"};
         for (size_t c = 0; c < 3; ++c) {
-            buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &pixels[0][c], origin, width, rows,
-                                                     sizeof pixels[0], sizeof pixels[0] * width));
+            buffer.insert((layer.empty() ? "" : layer + ".") + "RGB"[c],
+                          Imf::Slice::Make(Imf::FLOAT, &pixels[0][c], origin, width, rows, sizeof pixels[0],
+                                           sizeof pixels[0] * width));
         }
         file.setFrameBuffer(buffer);
         file.readPixels(origin.y, origin.y + static_cast<int>(rows) - 1);

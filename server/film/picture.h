@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "shared/film/film.h"
@@ -35,8 +36,8 @@ private:
     std::vector<Sum> sums_;  // empty at full size
 };
 
-/// Reads R, G and B of an EXR some rows at a time.
-void forEachRows(const std::filesystem::path& exr,
+/// Reads R, G and B of an EXR, or of one of its layers ("denoised"), some rows at a time.
+void forEachRows(const std::filesystem::path& exr, const std::string& layer,
                  const std::function<void(uint32_t y, std::span<const std::array<float, 3>> pixels)>& visit);
 
 }  // namespace tilefarm

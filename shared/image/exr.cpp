@@ -14,6 +14,7 @@
 
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
+#include "shared/image/durable_stream.h"
 #include "shared/image/exr_bytes.h"
 
 namespace tilefarm {
@@ -34,17 +35,6 @@ constexpr uint64_t kMostDecodedBytes = uint64_t{8} << 30;
 constexpr uint64_t kMostExpansion = 2048;
 
 // ---- Streams between OpenEXR and ours
-
-class DurableStream : public Imf::OStream {
-public:
-    DurableStream(DurableFile& file, const std::string& name) : OStream(name.c_str()), file_(file) {}
-    void write(const char bytes[], int n) override { file_.write({bytes, static_cast<size_t>(n)}); }
-    uint64_t tellp() override { return file_.position(); }
-    void seekp(uint64_t position) override { file_.seek(position); }
-
-private:
-    DurableFile& file_;
-};
 
 class MemoryStream : public Imf::IStream {
 public:

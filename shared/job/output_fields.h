@@ -16,6 +16,11 @@ void describe(Visitor& v, Is<OutputSettings> auto& output) {
     v.flag({"uv", "a channel of the first surface's texture coordinates"}, output.uv);
     v.flag({"cryptomatte", "ids of objects and materials with their coverage (Cryptomatte 1.2)"},
            output.cryptomatte);
+    v.flag(
+        {"denoise",
+         "channels of the picture without its noise, when the frame is complete; biased, so beside the raw "
+         "picture and never instead of it"},
+        output.denoise);
 }
 
 }  // namespace tilefarm

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/denoise/exr_denoise.h"
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/image/png.h"
@@ -123,6 +124,7 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
     writeFrameExr(
         exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
         localAttributes(spec, device.device(), frame), contentsOf(spec, render.files.entry));
+    if (spec.output.denoise) denoiseExr(exr, exr, {.wrap = spec.view.kind == ViewKind::panorama});
     if (!png.empty()) writePng(png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
     if (!report.empty())
         writeDurably(report, localReport(spec, device.device(), scene, frame).dump(2) + "\n");

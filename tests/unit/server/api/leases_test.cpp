@@ -78,6 +78,9 @@ TEST_F(ApiTest, RefusesPictureParametersThatMakeNoSense) {
     EXPECT_EQ(get(path + "image.png?tone=sepia")->status, 400);
     EXPECT_EQ(get(path + "image.png?exposure=nan")->status, 400);
     EXPECT_EQ(get(path + "preview.png?width=1")->status, 400);
+    EXPECT_EQ(get(path + "image.png?denoised=yes")->status, 400);
+    EXPECT_EQ(get(path + "image.png?denoised=0")->status, 200);
+    EXPECT_EQ(get(path + "image.png?denoised=1")->status, 409);  // not asked for by the job
     EXPECT_EQ(get(path + "preview.png?width=20&tone=aces&exposure=-1.5")->status, 200);
     EXPECT_EQ(get("/v1/jobs/none/frames/0/image.png")->status, 404);
     EXPECT_EQ(get(path.substr(0, path.size() - 2) + "x/image.png")->status, 404);

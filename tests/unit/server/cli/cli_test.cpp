@@ -163,6 +163,8 @@ TEST_F(CliTest, DownloadsByTheSuffixOfTheFile) {
     EXPECT_EQ(farm.seen().back().path, "/v1/jobs/1/frames/5/image.exr");
     EXPECT_EQ(run({"download", "1", "--frame", "6", "-o", path("a.PNG")}), kDone);
     EXPECT_EQ(farm.seen().back().path, "/v1/jobs/1/frames/6/image.png?exposure=0&tone=pbrNeutral");
+    EXPECT_EQ(run({"download", "1", "--denoised", "-o", path("a.png")}), kDone);
+    EXPECT_EQ(farm.seen().back().path, "/v1/jobs/1/frames/5/image.png?exposure=0&tone=pbrNeutral&denoised=1");
     EXPECT_EQ(run({"download", "1", "-o", path("a.jpg")}), kUsage);
     EXPECT_EQ(run({"download", "1", "-o", path("no/such/a.exr")}), kFailed);
 }

@@ -147,6 +147,31 @@ TEST(FrameImages, GivesPicturesOfWorkAndOfFinishedFramesAlike) {
     EXPECT_EQ(small.sha256, sha256Hex(*small.png));
 }
 
+TEST(FrameImages, AddsADenoisedPictureToACompleteFrameThatAsksForIt) {
+    TestFarm farm;
+    JobSpec spec = smallJob();
+    const std::string plain = farm.scheduler->submit(spec).job.id;
+    farm.finish();
+    EXPECT_EQ(codeOf([&] { farm.images->png(plain, 0, {}, 0, true); }), ErrorCode::conflict);
+
+    spec.output.denoise = true;
+    const std::string id = farm.scheduler->submit(spec).job.id;
+    while (const auto lease = farm.tryLease()) farm.deliver(*lease);
+    EXPECT_EQ(readExr(bytesOf(farm.images->exr(id, 0)), "partial").find("denoised.R"), -1);
+    EXPECT_EQ(codeOf([&] { farm.images->png(id, 0, {}, 0, true); }), ErrorCode::conflict);
+    farm.images->finishFrames();
+    const FloatImage image = readExr(bytesOf(farm.images->exr(id, 0)), "final");
+    const FloatImage raw = readExr(bytesOf(farm.images->exr(plain, 0)), "raw");
+    for (size_t c = 0; c < raw.channels.size(); ++c) EXPECT_EQ(image.plane(raw.channels[c]), raw.planes[c]);
+    EXPECT_NE(image.plane("denoised.R"), raw.plane("R"));
+    EXPECT_TRUE(std::filesystem::is_empty(farm.folder / "cache"));
+
+    const Picture shown = farm.images->png(id, 0, {}, 0), denoised = farm.images->png(id, 0, {}, 0, true);
+    EXPECT_EQ(*shown.png, *farm.images->png(plain, 0, {}, 0).png);
+    EXPECT_NE(*denoised.png, *shown.png);
+    EXPECT_EQ(farm.frame(id).relativeError, farm.frame(plain).relativeError);
+}
+
 TEST(FrameImages, NamesAFrameThatHasNotBegunOrIsNone) {
     TestFarm farm;
     const std::string id = farm.scheduler->submit(smallJob()).job.id;

@@ -1,0 +1,33 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+#include "server/cli/commands.h"
+#include "shared/denoise/exr_denoise.h"
+#include "shared/image/exr.h"
+
+namespace tilefarm {
+
+namespace {
+
+// Files of ours hold the job that made them.
+bool isPanorama(const std::filesystem::path& exr) {
+    const ImageAttributes attributes = readExrAttributes(exr);
+    const auto settings = attributes.find("settings");
+    if (settings == attributes.end()) return false;
+    const auto job = nlohmann::json::parse(settings->second, nullptr, false);
+    const auto kind = nlohmann::json::json_pointer("/view/kind");
+    return job.is_object() && job.contains(kind) && job.at(kind) == "panorama";
+}
+
+}  // namespace
+
+int denoiseFile(const std::filesystem::path& in, const std::filesystem::path& out, bool wrap,
+                const Console& console) {
+    denoiseExr(in, out, {.wrap = wrap || isPanorama(in)});
+    console.err << fmt::format("wrote {}\n", out.string());
+    return kDone;
+}
+
+}  // namespace tilefarm
