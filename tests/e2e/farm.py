@@ -164,9 +164,9 @@ class FarmTest(unittest.TestCase):
         pace = report["samples"] / report["seconds"]
         return max(32, int(pace * seconds / (width * height))) * 2 + 1
 
-    def run_program(self, program, *arguments):
-        """Runs one to its end; exit code, standard output, standard error."""
-        done = subprocess.run([str(BIN / program), *(str(a) for a in arguments)], env=environment(), text=True,
+    def run_program(self, program, *arguments, **changed):
+        """Runs one to its end, with `changed` environment variables; exit code, standard output, standard error."""
+        done = subprocess.run([str(BIN / program), *(str(a) for a in arguments)], env={**environment(), **changed}, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=DEADLINE,
                               preexec_fn=_die_with_parent, check=False)
         return done.returncode, done.stdout, done.stderr
