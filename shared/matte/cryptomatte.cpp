@@ -1,39 +1,15 @@
 #include "shared/matte/cryptomatte.h"
 
 #include <fmt/format.h>
+#include <murmurhash.h>
 
-#include <bit>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace tilefarm {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "blocks are read as little-endian words");
-
-uint32_t scrambled(uint32_t block) {
-    return std::rotl(block * 0xcc9e2d51u, 15) * 0x1b873593u;
-}
-
-uint32_t finished(uint32_t h) {
-    h = (h ^ h >> 16) * 0x85ebca6bu;
-    h = (h ^ h >> 13) * 0xc2b2ae35u;
-    return h ^ h >> 16;
-}
-
-}  // namespace
-
 uint32_t murmur3(std::string_view text, uint32_t seed) {
-    uint32_t h = seed;
-    std::string_view rest = text;
-    for (; rest.size() >= 4; rest.remove_prefix(4)) {
-        uint32_t block;
-        std::memcpy(&block, rest.data(), sizeof block);
-        h = std::rotl(h ^ scrambled(block), 13) * 5 + 0xe6546b64u;
-    }
-    uint32_t tail = 0;
-    if (!rest.empty()) std::memcpy(&tail, rest.data(), rest.size());
-    return finished(h ^ scrambled(tail) ^ static_cast<uint32_t>(text.size()));
+    uint32_t hash = 0;
+    lmmh_x86_32(text.data(), static_cast<unsigned>(text.size()), seed, &hash);
+    return hash;
 }
 
 uint32_t matteId(std::string_view name) {

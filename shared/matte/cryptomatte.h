@@ -11,8 +11,7 @@ namespace tilefarm {
 /// Cryptomatte 1.2 (Friedman, Jones 2015; Psyop's specification): ids are hashes of names, stored as floats,
 /// and a manifest in the file's header says which names they are.
 
-/// MurmurHash3_x86_32 (Appleby 2011, public domain). Debian's libmurmurhash would be one more package for
-/// these thirty lines.
+/// MurmurHash3_x86_32 (Appleby 2011).
 uint32_t murmur3(std::string_view text, uint32_t seed = 0);
 
 /// Bits of the float that is the id of a name: its hash, one exponent bit flipped where the float would be a
