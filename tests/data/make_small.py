@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the small scenes that tests use: cornell.gltf, furnace.glb, tiny.gltf.
+"""Writes the small scenes that tests use: cornell.gltf, furnace.glb, mirrors.glb, tiny.gltf.
 
     tests/data/make_small.py [FOLDER]
 """
@@ -65,6 +65,34 @@ def furnace(path):
     gltf.write_glb(path)
 
 
+def mirrors(path):
+    """Two mirrors that face each other, and between them a ball on a floor and a row of small lamps, which the
+    mirrors repeat until the bounce limit. With a lens focused on the ball the far lamps become its aperture's shape."""
+    gltf = Gltf("tests/data/make_small.py")
+    silver = gltf.material("Silver", (0.95, 0.93, 0.9), metallic=1.0, roughness=0.0)
+    floor = gltf.material("Floor", (0.4, 0.4, 0.42), roughness=0.8)
+    ball = gltf.material("Ball", (0.75, 0.1, 0.08), roughness=0.25)
+    colors = ((1.0, 0.3, 0.1), (0.2, 1.0, 0.3), (0.2, 0.4, 1.0))
+    lamps = [gltf.material(f"Lamp {i}", (0, 0, 0), emissiveFactor=list(c),
+                           extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 40.0}})
+             for i, c in enumerate(colors)]
+
+    def put(name, mesh, material, **more):
+        gltf.node(name, mesh=gltf.mesh(name, gltf.geometry(mesh, name, uvs=False), material), **more)
+
+    put("Near mirror", rectangle((2, 0, 1.5), (-4, 0, 0), (0, 2.5, 0)), silver)
+    put("Far mirror", rectangle((-2, 0, -1.5), (4, 0, 0), (0, 2.5, 0)), silver)
+    put("Floor", rectangle((-2, 0, 1.5), (4, 0, 0), (0, 0, -3)), floor)
+    put("Ball", shapes.sphere(0.3, 48, 24), ball, translation=[0.35, 0.3, -0.2])
+    panel = gltf.material("Panel", (0, 0, 0), emissiveFactor=[1, 1, 1],
+                          extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 2.0}})
+    put("Panel", rectangle((-1.5, 2.5, -1), (3, 0, 0), (0, 0, 2)), panel)
+    for i, material in enumerate(lamps):
+        put(f"Lamp {i}", shapes.sphere(0.02, 24, 12), material, translation=[-0.9 + 0.35 * i, 1.1 - 0.2 * i, -0.9])
+    gltf.camera("Camera", (0.1, 0.9, 1.3), (-0.25, 0.75, -1.5), 55.0)
+    gltf.write_glb(path)
+
+
 def tiny(path):
     """One quad that shows a picture of 2 x 2 texels straight on, filling a square image; unlit, so that pixels
     are texels: red and green above blue and white."""
@@ -86,6 +114,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     cornell(folder / "cornell.gltf")
     furnace(folder / "furnace.glb")
+    mirrors(folder / "mirrors.glb")
     tiny(folder / "tiny.gltf")
 
 

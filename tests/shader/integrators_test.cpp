@@ -159,12 +159,16 @@ TEST_F(IntegratorTest, MirrorsFacingEachOtherReflectUpToTheDepth) {
     addMesh(scene, quadMesh({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), plate);
     addMesh(scene, quadMesh({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}), plate);
     const Camera camera = orthographic({0, 0, 0.5}, {0, 0, 0}, 0.5f);
-    for (const uint32_t depth : {0u, 1u, 4u, 10u, 25u}) {
-        const auto frame = renderFrame(device, scene, camera, square(8), with(Integrator::whitted, depth), 1);
-        double expected = 0;
-        for (uint32_t i = 0; i <= depth; ++i) expected += std::pow(0.8, i);
-        for (const FilmPixel& pixel : frame) EXPECT_NEAR(pixel.mean[1], expected, 2e-5 * expected) << depth;
-    }
+    for (const Integrator integrator : {Integrator::whitted, Integrator::path})
+        for (const uint32_t depth : {0u, 1u, 4u, 10u, 25u}) {
+            RenderSettings settings = with(integrator, depth);
+            settings.roulette = RouletteRule::none;
+            const auto frame = renderFrame(device, scene, camera, square(8), settings, 1);
+            double expected = 0;
+            for (uint32_t i = 0; i <= depth; ++i) expected += std::pow(0.8, i);
+            for (const FilmPixel& pixel : frame)
+                EXPECT_NEAR(pixel.mean[1], expected, 2e-5 * expected) << depth;
+        }
 }
 
 double fresnel(double cosTheta, double eta) {

@@ -15,7 +15,7 @@ TEST(HttpFarm, SaysOfASceneWhatTheApiAsksFor) {
     FakeFarm server;
     PreparedScene scene;
     scene.warnings = {{"KHR_x", "materials/3 (Cloth)", "rendered without"}};
-    scene.features = {{"environment"}, {"textures", "volume"}};
+    scene.features = {{"environment"}, {"textures", "volume"}, {}};
     scene.loadSeconds = 0.25;
     scene.times = {0.5, 0.75, 1.0};
     makeHttpFarm(server.url(), "secret")->reportScene("l1", 7, scene);
