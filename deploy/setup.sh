@@ -16,7 +16,7 @@ readonly mesa_wanted=24.3
 readonly backports_list=/etc/apt/sources.list.d/tilefarm-backports.sources
 
 packages=(
-    build-essential cmake ninja-build ccache git pkg-config ca-certificates curl
+    build-essential clang cmake ninja-build ccache git pkg-config ca-certificates curl
     libvulkan-dev vulkan-validationlayers glslang-tools spirv-tools
     libglm-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libembree-dev
     libcpp-httplib-dev libssl-dev nlohmann-json3-dev libopenexr-dev

@@ -261,8 +261,10 @@ void requireAttributesWithin(std::span<const std::byte> bytes) {
     ExrBytes in(bytes);
     if (bytes.size() < 8 || in.get<uint32_t>("the magic number") != kExrMagic)
         throw std::runtime_error("it is none");
-    in.get<uint32_t>("the version");
-    forEachAttribute(in, [](auto, auto, auto) {});
+    constexpr uint32_t kMultiPart = 0x1000;
+    const bool multiPart = in.get<uint32_t>("the version") & kMultiPart;
+    while (forEachAttribute(in, [](auto, auto, auto) {}) && multiPart) {
+    }
 }
 
 template <typename Read>

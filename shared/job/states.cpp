@@ -13,6 +13,8 @@ struct Word {
     State state;
     std::string_view word;
 };
+template <typename State>
+Word(State, std::string_view) -> Word<State>;  // implied since C++20, but not yet to clang 14
 
 constexpr std::array kJobWords{
     Word{JobState::queued, "queued"}, Word{JobState::running, "running"},

@@ -13,6 +13,8 @@ template <typename State>
 struct Transition {
     State from, to;
 };
+template <typename State>
+Transition(State, State) -> Transition<State>;  // implied since C++20, but not yet to clang 14
 
 /// Every move there is. server/queue is the only mover; the same rules stand in SQL as triggers.
 inline constexpr std::array kJobTransitions{

@@ -1,13 +1,12 @@
 // Mutates glTF files and environments: whatever comes, the loader gives a scene or an Error, never a crash, a
 // hang or an index out of range. Seeds are fixed; TILEFARM_FUZZ_ROUNDS raises the number of rounds.
 #include <gtest/gtest.h>
-#include <meshoptimizer.h>
 
 #include <cstdlib>
 #include <random>
 
 #include "shared/error/error.h"
-#include "tests/support/gltf_builder.h"
+#include "tests/fuzz/seed_file.h"
 #include "tests/support/temporary_folder.h"
 #include "worker/scene/gltf_file.h"
 #include "worker/scene/load.h"
@@ -19,47 +18,6 @@ namespace {
 int rounds(int usual) {
     const char* text = std::getenv("TILEFARM_FUZZ_ROUNDS");
     return text ? std::atoi(text) : usual;
-}
-
-/// A file with most of what the loader knows.
-GltfBuilder seedFile() {
-    GltfBuilder builder = GltfBuilder::square();
-    const auto png = encodePng(2, 2, 4, 8, std::vector<uint16_t>(16, 99));
-    builder.set("/images/0/bufferView", builder.view(png))
-        .set("/textures/0", R"({"source": 0, "sampler": 0})");
-    builder.set("/samplers/0", R"({"wrapS": 33071, "magFilter": 9728})");
-    builder.set("/materials/0", R"({"name": "m", "alphaMode": "MASK", "emissiveFactor": [1, 0, 1],
-        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.5},
-        "normalTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"rotation": 1, "scale": [2, 2]}}},
-        "extensions": {"KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2},
-                       "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_sheen": {}}})");
-    builder.set("/cameras/0", R"({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}})");
-    builder.set("/extensions/KHR_lights_punctual/lights/0",
-                R"({"type": "spot", "intensity": 5, "spot": {}})");
-    builder.set("/nodes/1", R"({"camera": 0, "children": [0, 2], "scale": [1, 2, -3]})");
-    builder.set("/nodes/2", R"({"mesh": 1, "extensions": {"KHR_lights_punctual": {"light": 0}}})");
-    builder.set("/scenes/0/nodes", "[1]");
-    const std::vector<glm::vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
-    std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(4, 12));
-    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), points.data(), 4, 12));
-    const uint32_t compressed = builder.view(std::as_bytes(std::span(bytes)));
-    const std::string view = "/bufferViews/" + std::to_string(compressed);
-    builder.set("/buffers/1/byteLength", "48");
-    builder.set(view + "/extensions/EXT_meshopt_compression",
-                R"({"buffer": 0, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES"})");
-    builder.set(view + "/extensions/EXT_meshopt_compression/byteLength", uint32_t(bytes.size()));
-    builder.set(view + "/buffer", 1).set(view + "/byteLength", 48);
-    builder.set(view + "/extensions/EXT_meshopt_compression/byteOffset", builder.offsetOf(compressed));
-    builder.set(view + "/byteOffset", 0);
-    const uint32_t positions = builder.accessorOf(compressed, "VEC3", 5126, 4);
-    builder.set("/meshes/1/primitives/0/attributes/POSITION", positions)
-        .set("/meshes/1/primitives/0/mode", 5);
-    const std::vector<uint8_t> at{1, 2};
-    const uint32_t sparse = builder.view(std::as_bytes(std::span(at)));
-    builder.set("/accessors/0/sparse", R"({"count": 2, "indices": {"componentType": 5121, "bufferView": 0},
-                                           "values": {"bufferView": 0}})");
-    builder.set("/accessors/0/sparse/indices/bufferView", sparse);
-    return builder;
 }
 
 void mutate(std::vector<std::byte>& bytes, std::mt19937& random) {

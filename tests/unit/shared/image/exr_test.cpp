@@ -100,13 +100,16 @@ TEST(FrameExr, PutsFurtherChannelsBesideAndRanksIdsByCoverage) {
         }
         return tile;
     };
-    writeFrameExr(folder / "f.exr", image, tileWith, {}, {layout, {{"cryptomatte/3ae39a5/name", "CryptoObject"}}});
+    writeFrameExr(folder / "f.exr", image, tileWith, {},
+                  {layout, {{"cryptomatte/3ae39a5/name", "CryptoObject"}}});
     const FloatImage read = readExr(folder / "f.exr");
     for (size_t i = 0; i < read.pixelCount(); ++i) {
         ASSERT_EQ(read.plane("uv.U")[i], static_cast<float>(i % 20));
         const float wanted[] = {6, 0.5f, 7, 0.375f, 5, 0.125f, 0, 0};
         for (size_t c = 0; c < 8; ++c)
-            ASSERT_EQ(read.plane(std::string("CryptoObject0") + "01"[c / 4] + "." + "RGBA"[c % 4])[i], wanted[c]) << c;
+            ASSERT_EQ(read.plane(std::string("CryptoObject0") + "01"[c / 4] + "." + "RGBA"[c % 4])[i],
+                      wanted[c])
+                << c;
         ASSERT_EQ(read.plane("CryptoMaterial00.R")[i], 0);
     }
     EXPECT_EQ(readExrMetadata(folder / "f.exr").at("cryptomatte/3ae39a5/name"), "CryptoObject");
@@ -230,6 +233,21 @@ TEST(HostileExr, ThatClaimsAHugeImageIsRefusedBeforeMemoryIsTaken) {
         std::memcpy(bytes.data() + value + 12, &huge, 4);
     }
     expectRefused(bytes, "a huge window");
+}
+
+TEST(HostileExr, ThatClaimsAHugeAttributeInALaterPartIsRefusedBeforeMemoryIsTaken) {
+    const ImageSpec image{16, 8, 8};
+    const PassFilm film{0, {0, 0, 8, 8}, {0, 1}, std::vector<PassPixel>(64), {}};
+    auto bytes = encodePassFilms(std::vector<PassFilm>(2, film), image, {});
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view attribute("screenWindowWidth\0float\0", 24);
+    const size_t second = text.find(attribute, text.find(attribute) + 1);
+    ASSERT_NE(second, text.npos);
+    const int32_t huge = std::numeric_limits<int32_t>::max();
+    std::memcpy(bytes.data() + second + attribute.size(), &huge, sizeof huge);
+    expectRefused(bytes, "a huge attribute");
+    EXPECT_THAT(errorOf([&] { readExr(bytes, "hostile.exr"); }).what(),
+                HasSubstr("ends early, within an attribute"));
 }
 
 TEST(HostileExr, OtherFilesAreNamed) {
