@@ -54,7 +54,8 @@ float fresnelConductor(float cosTheta, float eta, float k) {
     cosTheta = clamp(cosTheta, 0.0, 1.0);
     float cos2 = cosTheta * cosTheta;
     float sin2 = (1.0 - cosTheta) * (1.0 + cosTheta);
-    float t0 = (eta - k) * (eta + k) - sin2;
+    // η² − k² − sin², of which the grazing half goes by 1 − cos²: an index near vacuum's keeps its digits there.
+    float t0 = cos2 < 0.5 ? ((eta - 1.0) * (eta + 1.0) - k * k) + cos2 : (eta - k) * (eta + k) - sin2;
     float cross2 = 4.0 * eta * eta * k * k;
     float modulus = sqrt(t0 * t0 + cross2);  // |a + ib|² of the complex cosine beyond the interface
     float twiceA2 = t0 >= 0.0 ? modulus + t0 : (modulus - t0 > 0.0 ? cross2 / (modulus - t0) : 0.0);

@@ -19,6 +19,9 @@ RenderSettings settingsOf(const Shot& shot) {
     settings.seed = shot.seed;
     settings.directLight = shot.directLight;
     settings.lightSelection = shot.lightSelection;
+    settings.clampDirect = shot.clampDirect;
+    settings.clampIndirect = shot.clampIndirect;
+    settings.regularisation = shot.regularisation;
     return settings;
 }
 

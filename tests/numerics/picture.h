@@ -25,6 +25,7 @@ struct Shot {
     uint64_t alsoCompiled = 0;
     DirectLight directLight = DirectLight::mis;
     LightSelection lightSelection = LightSelection::power;
+    double clampDirect = 0, clampIndirect = 0, regularisation = 0;  // off, as a job has them
 };
 
 ImageSpec imageOf(const Shot& shot);

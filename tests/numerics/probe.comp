@@ -22,6 +22,9 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "lights/environment.glsl"
 #include "film.glsl"
 #include "path/medium.glsl"
+#include "bsdf/facets.glsl"
+#include "bsdf/fresnel.glsl"
+#include "integrators/phong.glsl"
 
 void unitFloats(uint i) {
     float u = unitFloat(i << 8u | 255u);
@@ -86,6 +89,21 @@ void phaseSamples(uint i) {
     answers[2u * i + 1u] = vec4(phasePdf(from.w, from.xyz, wi));
 }
 
+void masking(uint i) {
+    vec3 w = queries[i].xyz;
+    float alpha = queries[i].w;
+    answers[3u * i] = vec4(ggxG1(w, alpha), 1.0 / (1.0 + beckmannLambda(w, vec2(alpha))), 1.0 / (1.0 + phongLambda(w, alpha)), 0);
+    answers[3u * i + 1u] = vec4(ggxD(w, alpha), beckmannD(w, vec2(alpha)), phongD(w, alpha), 0);
+    MaterialPoint m;
+    materialPointDefaults(m);
+    m.baseColor = vec3(1);
+    m.metallic = m.transmission = 0.0;
+    m.flags = 0u;
+    m.alpha = alpha;
+    m.ior = 1.5;
+    answers[3u * i + 2u] = vec4(phongAt(m, true, w.z).exponent);
+}
+
 void main() {
     uint i = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
     if (i >= count) return;
@@ -97,6 +115,7 @@ void main() {
         case PROBE_ENVIRONMENT: environmentSamples(i); break;
         case PROBE_PHASE: phasePdfs(i); break;
         case PROBE_PHASE_SAMPLES: phaseSamples(i); break;
+        case PROBE_MASKING: masking(i); break;
         case PROBE_EXPONENTIAL: answers[i] = vec4(exponential(floatBitsToUint(queries[i].xy))); break;
     }
 }

@@ -28,6 +28,9 @@ PROBE_CONSTANT PROBE_PHASE = 5;
 PROBE_CONSTANT PROBE_PHASE_SAMPLES = 6;
 // Answer: exponential() (shaders/path/medium.glsl) of the bits of query.xy.
 PROBE_CONSTANT PROBE_EXPONENTIAL = 7;
+// query: direction in the shading frame, alpha. Answer 0: Smith's masking G1 of GGX, Beckmann, Phong; 1: their D at that
+// direction; 2: Phong's exponent as the integrators without paths have it.
+PROBE_CONSTANT PROBE_MASKING = 8;
 
 #define PROBE_SPIKE 1e4
 #define PROBE_PASS_SAMPLES 256

@@ -116,7 +116,7 @@ TEST_F(HardTransform, HardCase13_NegativeScale) {
 
 // ---- 14
 
-TEST_F(HardTransform, HardCase14_NonUniformScale) {
+TEST_F(HardTransform, HardCase14_MeshUnderNonUniformScale) {
     const glm::dvec3 scale(1, 10, 0.1);
     Scene scene;
     addMesh(scene, sphereMesh(48), matte(glm::vec3(0.5f), glm::vec3(3)), glm::scale(glm::dmat4(1), scale));
