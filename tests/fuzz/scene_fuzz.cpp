@@ -73,9 +73,10 @@ void loadMutated(const std::filesystem::path& path, int& loaded) {
 
 TEST(SceneFuzz, MutatedFilesGiveASceneOrAnError) {
     TemporaryFolder folder;
-    GltfBuilder builder = seedFile();
-    for (const auto& seed : {readFileBytes(builder.writeGlb(folder.path())),
-                             readFileBytes(seedFile().writeEmbedded(folder.path()))}) {
+    for (const auto& seed : {readFileBytes(seedFile().writeGlb(folder.path())),
+                             readFileBytes(seedFile().writeEmbedded(folder.path())),
+                             readFileBytes(dracoFile(false).writeGlb(folder.path())),
+                             readFileBytes(dracoFile(true).writeGlb(folder.path()))}) {
         int loaded = 0;
         writeBytes(folder / "whole.gltf", seed);
         ASSERT_NO_THROW(expectSound(loadGltf(folder / "whole.gltf")));
