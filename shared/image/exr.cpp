@@ -33,6 +33,7 @@ constexpr int kZipLevel = 1;
 constexpr int64_t kLargestSide = 65536;
 constexpr uint64_t kMostDecodedBytes = uint64_t{8} << 30;
 constexpr uint64_t kMostExpansion = 2048;
+constexpr uint64_t kLargestFreeTile = uint64_t{4096} * 4096;  // pixels of a tile that no bytes need bear out
 
 // ---- Streams between OpenEXR and ours
 
@@ -256,6 +257,27 @@ auto reading(const std::string& name, Read&& read) {
     }
 }
 
+// OpenEXR also makes tables of a window's height and buffers of a tile's size as soon as it opens a file.
+void requireOpenable(std::string_view name, std::string_view value, uint64_t encodedBytes) {
+    if (name == "dataWindow" && value.size() == 4 * sizeof(int32_t)) {
+        std::array<int32_t, 4> window;
+        std::memcpy(window.data(), value.data(), value.size());
+        const int64_t w = int64_t{window[2]} - window[0] + 1, h = int64_t{window[3]} - window[1] + 1;
+        if (w > kLargestSide || h > kLargestSide)
+            throw std::runtime_error(
+                fmt::format("it claims {}x{} pixels; {} a side are the most", w, h, kLargestSide));
+    }
+    if (name == "tiles" && value.size() == 2 * sizeof(uint32_t) + 1) {
+        std::array<uint32_t, 2> tile;
+        std::memcpy(tile.data(), value.data(), sizeof tile);
+        const uint64_t pixels = uint64_t{tile[0]} * tile[1];
+        // Tiles may be larger than a small picture.
+        if (pixels > kLargestFreeTile && pixels / (kMostExpansion / sizeof(float)) > encodedBytes)
+            throw std::runtime_error(
+                fmt::format("{} bytes cannot hold its tiles of {}x{}", encodedBytes, tile[0], tile[1]));
+    }
+}
+
 // OpenEXR takes memory for an attribute of the size it claims, up to 2 GiB, before it reads it.
 void requireAttributesWithin(std::span<const std::byte> bytes) {
     ExrBytes in(bytes);
@@ -263,7 +285,8 @@ void requireAttributesWithin(std::span<const std::byte> bytes) {
         throw std::runtime_error("it is none");
     constexpr uint32_t kMultiPart = 0x1000;
     const bool multiPart = in.get<uint32_t>("the version") & kMultiPart;
-    while (forEachAttribute(in, [](auto, auto, auto) {}) && multiPart) {
+    const auto check = [&](auto name, auto, auto value) { requireOpenable(name, value, bytes.size()); };
+    while (forEachAttribute(in, check) && multiPart) {
     }
 }
 

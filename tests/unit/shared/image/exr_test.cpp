@@ -250,6 +250,27 @@ TEST(HostileExr, ThatClaimsAHugeAttributeInALaterPartIsRefusedBeforeMemoryIsTake
                 HasSubstr("ends early, within an attribute"));
 }
 
+TEST(HostileExr, ThatClaimsAnEndlessWindowIsRefusedBeforeTablesAreMade) {
+    auto bytes = someExr();
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const size_t window = text.find("dataWindow") + std::string_view("dataWindow_box2i_size").size();
+    const int32_t endless = 1'000'000'000;
+    std::memcpy(bytes.data() + window + 3 * sizeof(int32_t), &endless, sizeof endless);
+    EXPECT_THAT(errorOf([&] { readExr(bytes, "hostile.exr"); }).what(),
+                HasSubstr("it claims 64x1000000001 pixels"));
+}
+
+TEST(HostileExr, ThatClaimsHugeTilesIsRefusedBeforeBuffersAreMade) {
+    auto bytes = someExr();
+    // Behind the magic number and the version, whose bit 9 says that there are tiles.
+    bytes[5] |= std::byte{2};
+    const std::string_view attribute("tiles\0tiledesc\0\x09\0\0\0\0\0\1\0\0\0\1\0\0", 28);
+    const auto added = std::as_bytes(std::span(attribute));
+    bytes.insert(bytes.begin() + 8, added.begin(), added.end());
+    EXPECT_THAT(errorOf([&] { readExr(bytes, "hostile.exr"); }).what(),
+                HasSubstr("cannot hold its tiles of 65536x65536"));
+}
+
 TEST(HostileExr, OtherFilesAreNamed) {
     const TemporaryFolder folder;
     std::ofstream(folder / "a.exr") << "no picture at all, but long enough to hold a header of some kind";
