@@ -11,8 +11,10 @@ struct FirstScattering {
 FirstScattering noScattering() { return FirstScattering(vec3(0), vec3(0), vec3(0)); }
 FirstScattering scatteredInFog() { return FirstScattering(vec3(0), vec3(0), vec3(1)); }
 
+// (A GPU's quotient of equal numbers need not be 1.)
 vec3 shareOf(vec3 part, vec3 whole) {
-    return mix(vec3(0), min(part / max(whole, vec3(1e-37)), 1.0), greaterThan(whole, vec3(0)));
+    vec3 share = mix(part / max(whole, vec3(1e-37)), vec3(1), greaterThanEqual(part, whole));
+    return mix(vec3(0), share, greaterThan(whole, vec3(0)));
 }
 
 // Of the light `whole` that these parts belong to.

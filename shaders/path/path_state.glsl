@@ -24,7 +24,8 @@ struct PathState {
 
 // Every light that reaches the camera comes by here. `scatterings`: how often it did between light and camera.
 void gather(inout PathState path, vec3 light, uint scatterings) {
-    vec3 radiance = path.throughput * light;
+    // Its bits must not depend on what else asks for it: some compilers would fuse it with the sum below, or not.
+    precise vec3 radiance = path.throughput * light;
     if (has(FEATURE_CLAMP) && scatterings > 0u) {
         float bound = scatterings == 1u ? parameters.bounds.x : parameters.bounds.y;
         float largest = maxComponent(radiance);

@@ -3,7 +3,7 @@
 
     tests/data/make_fog.py [FOLDER]
 
-The picture: tilefarm-worker render tests/data/fog.gltf -o fog.exr --png docs/fog.png --width 384 --height 216 --samples 640
+The picture: tilefarm-worker render tests/data/fog.gltf -o fog.exr --png docs/fog.png --width 768 --height 432 --samples 8192
 --light '{"kind": "directional", "direction": [1, -0.62, 0.45], "intensity": 14, "color": [1, 0.86, 0.66], "angularDiameter":
 0.5}' --environment-kind constant --environment-color 0.5 0.75 1.1 --light-selection all --max-bounces 6 --exposure 0.7
 --fog-extinction 0.12 0.12 0.12 --fog-anisotropy 0.5

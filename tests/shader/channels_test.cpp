@@ -50,6 +50,8 @@ Material smooth(float metallic, float transmission) {
 
 class ChannelsTest : public DeviceTest {
 protected:
+    ChannelsTest() : DeviceTest({.graphics = true}) {}  // for the raster integrator
+
     std::vector<FilmTile> render(const View& view, const FilmLayout& layout, const ImageSpec& image,
                                  const RenderSettings& settings, uint32_t samples, uint64_t features = 0) {
         Renderer renderer(device, view.scene, view.camera, image, settings,
@@ -193,7 +195,8 @@ TEST_F(ChannelsTest, LightAddsUpInFogAndFogsIsOfTheVolume) {
     const auto tiles = render(view, kLight, square(32), bounces(6), 19);
     expectSums(tiles);
     double volume = 0;
-    for (size_t i = 0; i < tiles[0].pixels.size(); ++i) volume += lightOf(tiles[0], i, gpu::LIGHT_PATH_VOLUME);
+    for (size_t i = 0; i < tiles[0].pixels.size(); ++i)
+        volume += lightOf(tiles[0], i, gpu::LIGHT_PATH_VOLUME);
     EXPECT_GT(volume, 0);
     EXPECT_GT(meanLight(tiles[0], gpu::LIGHT_PATH_VOLUME + 1), 0);
 }
@@ -403,7 +406,8 @@ TEST_F(ChannelsTest, EveryIntegratorSaysWhatItsFirstSurfaceIs) {
     View view;
     addNamed(view.scene, "Square", "Wood", quadMesh({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}));
     view.camera = flatCamera();
-    for (const Integrator integrator : {Integrator::whitted, Integrator::raster, Integrator::ambientOcclusion, Integrator::albedo}) {
+    for (const Integrator integrator :
+         {Integrator::whitted, Integrator::raster, Integrator::ambientOcclusion, Integrator::albedo}) {
         RenderSettings settings = bounces(1);
         settings.integrator = integrator;
         settings.jitter = false;

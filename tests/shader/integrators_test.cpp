@@ -285,11 +285,9 @@ TEST_F(IntegratorTest, IrradianceOfAnyEnvironmentIsWithinSomePercent) {
 
 // ---- Raster
 
-class RasterIntegratorTest : public testing::Test {
+class RasterIntegratorTest : public DeviceTest {
 protected:
-    void TearDown() override { EXPECT_THAT(device.validationMessages(), testing::IsEmpty()); }
-
-    gpu::Device device{gpu::defaultDevice(), {.graphics = true}};
+    RasterIntegratorTest() : DeviceTest({.graphics = true}) {}
 };
 
 TEST_F(RasterIntegratorTest, LambertIsLitThroughWhateverIsInBetween) {
