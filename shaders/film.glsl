@@ -41,8 +41,10 @@ void addSample(inout FilmPixel pixel, PathSample s) {
     pixel.mean = vec4(pixel.mean.rgb + delta / n, n);
     // As δ² (n − 1) / n, which rounding cannot make negative; δ (x − new mean) it can.
     vec4 deviation = vec4(delta, luminance(delta));
-    // (The square of a first sample of 1e20 is infinite; times 0 it would be NaN.)
-    pixel.m2 += deviation * (deviation * ((n - 1.0) / n));
+    // In this order: the square of a first sample of 1e20 is infinite; times 0 it would be NaN.
+    precise vec4 weighted = deviation * ((n - 1.0) / n);
+    precise vec4 squares = deviation * weighted;
+    pixel.m2 += squares;
     pixel.albedo += (vec4(s.albedo, s.depth) - pixel.albedo) / n;
     pixel.normal += (vec4(s.normal, s.alpha) - pixel.normal) / n;
 }
