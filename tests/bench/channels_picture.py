@@ -13,8 +13,10 @@ import struct
 import sys
 import zlib
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS / "support"), str(TESTS / "data")]
 from exr_image import Exr  # noqa: E402
+from gltf_writer import png  # noqa: E402
 
 PATHS = ["emission", "diffuse.direct", "diffuse.indirect", "specular.direct", "specular.indirect",
          "transmission.direct", "transmission.indirect"]  # and of fog, which the demo scene has none of
@@ -58,29 +60,23 @@ def mattes(exr, layer):
     return pixels
 
 
-def write_png(path, width, height, rows):
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    raw = b"".join(b"\0" + row for row in rows)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)) +
-                     chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
-
-
-def main(exr, png):
-    frame = Exr(exr)
+def main():
+    if len(sys.argv) != 3:
+        sys.exit("usage: channels_picture.py FRAME.exr PICTURE.png")
+    frame = Exr(sys.argv[1])
     tiles = [colour(frame)] + [colour(frame, p + ".") for p in PATHS] + \
         [uv(frame), mattes(frame, "CryptoObject"), mattes(frame, "CryptoMaterial"), sums(frame)]
-    w, h, white = frame.width, frame.height, b"\xff\xff\xff"
+    w, h, white = frame.width, frame.height, (255, 255, 255)
+    width = 3 * w + 2 * GAP
     rows = []
     for first in range(0, len(tiles), 3):
         if first:
-            rows += [white * (3 * w + 2 * GAP)] * GAP
+            rows += [[white] * width] * GAP
         for y in range(h):
-            parts = [b"".join(bytes(p) for p in tile[y * w:(y + 1) * w]) for tile in tiles[first:first + 3]]
-            rows.append((white * GAP).join(parts))
-    write_png(pathlib.Path(png), 3 * w + 2 * GAP, len(rows), rows)
+            parts = [[tuple(p) for p in tile[y * w:(y + 1) * w]] for tile in tiles[first:first + 3]]
+            rows.append(parts[0] + [white] * GAP + parts[1] + [white] * GAP + parts[2])
+    pathlib.Path(sys.argv[2]).write_bytes(png(width, len(rows), rows))
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -67,7 +67,9 @@ def furnace(path):
 
 def mirrors(path):
     """Two mirrors that face each other, and between them a ball on a floor and a row of small lamps, which the
-    mirrors repeat until the bounce limit. With a lens focused on the ball the far lamps become its aperture's shape."""
+    mirrors repeat until the bounce limit. With a lens focused on the ball the far lamps become its aperture's shape.
+    docs/mirrors.png: 300 x 220 pixels, 64 samples, --max-bounces 4, 10 and 25, then 256 samples and --max-bounces 10
+    --view-aperture-radius 0.05 --view-focus-distance 1.6 --view-blades 6."""
     gltf = Gltf("tests/data/make_small.py")
     silver = gltf.material("Silver", (0.95, 0.93, 0.9), metallic=1.0, roughness=0.0)
     floor = gltf.material("Floor", (0.4, 0.4, 0.42), roughness=0.8)
