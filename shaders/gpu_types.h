@@ -251,7 +251,7 @@ GPU_CONSTANT COUNTER_FIRST_DROPPED = 4; // of the first of them: pixel (x + 6553
 GPU_CONSTANT RECORDED_SAMPLES = 8;
 GPU_CONSTANT COUNTER_COUNT = COUNTER_FIRST_DROPPED + 2 * RECORDED_SAMPLES;
 // Behind them, of each tile of the dispatch:
-GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or on the wrong side
+GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or in too many solids
 GPU_CONSTANT TILE_TRUNCATED = 1;  // paths that still carried light where the bounce limit ended them
 GPU_CONSTANT TILE_CLAMPED = 2;    // samples that FEATURE_CLAMP bounded
 GPU_CONSTANT TILE_CLAMPED_RADIANCE = 3;      // bits of a float: luminance that it took away, summed over samples

@@ -33,7 +33,7 @@ struct Metrics::Impl {
         counter("tilefarm_dropped_samples_total", "Samples in results that were NaN or infinite");
     Counter& rejected =
         counter("tilefarm_rejected_paths_total",
-                "Paths in results that ended on a direction without probability or on the wrong side");
+                "Paths in results that ended on a direction without probability or in more nested solids than a path holds");
     Counter& truncated =
         counter("tilefarm_truncated_paths_total",
                 "Paths in results that still carried light where the bounce limit ended them");

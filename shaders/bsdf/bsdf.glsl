@@ -51,6 +51,7 @@ struct BsdfSample {
     vec3 weight;  // BSDF times cosine over pdf
     float pdf;    // solid angle, 1/sr; of all lobes together; not used for delta lobes
     bool delta;
+    bool blocked;  // of no sample: the facet drawn sends light into the surface, which is the model's loss and no fault
 };
 
 #define hasLayers() \
@@ -238,6 +239,9 @@ bool sampleFacet(Bsdf b, vec3 wo, vec3 h, bool reflects, out vec3 wi) {
     return wi.z < 0.0;
 }
 
+// Not of NaN.
+bool isDirection(vec3 w) { return all(lessThan(abs(w), vec3(2))); }
+
 bool deltaSample(vec3 weight, inout BsdfSample s) {
     s.weight = weight;
     s.pdf = 0.0;
@@ -251,11 +255,14 @@ bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
     vec3 h = b.mirror ? vec3(0, 0, 1) : facetSample(b.facets, wo, u);
     float cosTheta = dot(wo, h);
     // Distributions that do not know wo also give facets that it does not see.
+    s.blocked = cosTheta <= 0.0;
     if (!(cosTheta > 0.0)) return false;
     float chance = reflectChance(b.face, cosTheta);
     // The chances' rounding must not choose what cannot be.
     bool reflects = pick < chance * b.facetChance || chance >= 1.0;
-    if (!sampleFacet(b, wo, h, reflects, s.wi)) return false;
+    bool passes = sampleFacet(b, wo, h, reflects, s.wi);
+    s.blocked = !passes && isDirection(s.wi);
+    if (!passes) return false;
     if (!b.mirror) return true;
     vec3 colour = reflects ? reflectance(b.face, cosTheta) : b.face.baseColor * transmittance(b.face, cosTheta);
     if (!reflects && !b.face.thin) colour /= b.face.eta * b.face.eta;
@@ -265,12 +272,14 @@ bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
 
 // Draws wi; false for a sample that carries nothing. `u` chooses lobe and direction.
 bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
-    s.delta = false;
+    s.delta = s.blocked = false;
     float pick = u.x;
     if (has(FEATURE_CLEARCOAT)) {
         if (pick < b.coatChance) {
             vec3 colour;
-            if (!coatSample(b.coat, wo, u.yz, s.wi, colour)) return false;
+            bool passes = coatSample(b.coat, wo, u.yz, s.wi, colour);
+            s.blocked = !passes && isDirection(s.wi);
+            if (!passes) return false;
             if (coatIsMirror(b.coat)) return deltaSample(colour / b.coatChance, s);
         }
         pick -= b.coatChance;

@@ -40,7 +40,7 @@ bool picksMirror(Bsdf b, float pick) {
 bool sampleDirection(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
     if (!has(FEATURE_DIRECTION_SAMPLING) || parameters.rules.y == DIRECTION_BSDF) return bsdfSample(b, wo, u, s);
     if (picksMirror(b, u.x)) return bsdfSample(b, wo, u, s) && s.delta;
-    s.delta = false;
+    s.delta = s.blocked = false;
     s.wi = crudeDirection(b, u.yz);
     s.pdf = directionPdf(b, s.wi, 0.0);
     float unused;

@@ -27,11 +27,13 @@ bool russianRoulette(inout PathState path, float u) {
 bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
     BsdfSample b;
     bool found = sampleDirection(bsdf, wo, u.xyz, b);
-    vec3 direction = found ? normalize(s.frame * b.wi) : vec3(0);
-    if (!found || dot(direction, s.geometricNormal) * b.wi.z <= 0.0) {
-        rejectedCount++;
+    if (!found) {
+        if (!b.blocked) rejectedCount++;
         return false;
     }
+    vec3 direction = normalize(s.frame * b.wi);
+    // A shading normal may send light into the surface, where none comes from.
+    if (dot(direction, s.geometricNormal) * b.wi.z <= 0.0) return false;
     if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = sharesAlong(bsdf, wo, b.wi, b.delta);
     path.throughput *= b.weight;
     path.pdf = b.pdf;

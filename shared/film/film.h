@@ -35,7 +35,7 @@ struct DroppedSample {
 /// What went wrong, or was left out, while samples were taken. The number of dropped samples stands in the
 /// pixels' counts.
 struct PassFaults {
-    uint64_t rejectedPaths = 0;          // ended on a direction without probability or on the wrong side
+    uint64_t rejectedPaths = 0;          // ended on a direction without probability or in too many solids
     uint64_t truncatedPaths = 0;         // still carried light where the bounce limit ended them
     double truncatedThroughput = 0;      // largest channel of what they carried, summed up
     uint64_t clampedSamples = 0;         // that settings.clampDirect or clampIndirect bounded
