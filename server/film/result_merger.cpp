@@ -37,6 +37,19 @@ void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& fil
     if (films.empty()) throw Error(ErrorCode::unprocessable, "the result holds no pass");
 }
 
+bool clamps(const RenderSettings& settings) {
+    return settings.clampDirect > 0 || settings.clampIndirect > 0;
+}
+
+/// Of all samples, summed up.
+double luminanceOf(const PassFilm& film) {
+    double sum = 0;
+    for (const PassPixel& pixel : film.pixels)
+        sum += double{pixel.count} * (0.2126 * double{pixel.mean[0]} + 0.7152 * double{pixel.mean[1]} +
+                                      0.0722 * double{pixel.mean[2]});
+    return std::isfinite(sum) ? sum : 0;  // as uploaded: its pixels are judged when they are merged
+}
+
 LevelRow measured(const ResultTarget& target, const FilmTile& film) {
     ErrorSums sums;
     sums.add(film);
@@ -93,6 +106,7 @@ ResultMerger::Plan ResultMerger::plan(const ResultTarget& target, const std::vec
                 }
                 tile.fresh.push_back(part);
                 plan.result.faults.add(part->faults);
+                if (clamps(job->spec.settings)) plan.result.keptLuminance += luminanceOf(*part);
             }
             const auto bySample = [](const PassFilm* a, const PassFilm* b) {
                 return a->samples.first < b->samples.first;

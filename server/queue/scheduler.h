@@ -58,7 +58,8 @@ struct ResultMerge {
     double deviceSeconds = 0;      // the worker's statement for the whole upload
     uint64_t uploadedSamples = 0;  // pixel samples of the whole upload
     uint32_t alreadyMerged = 0;
-    PassFaults faults{};  // of the passes that are newly merged or held
+    PassFaults faults{};       // of the passes that are newly merged or held
+    double keptLuminance = 0;  // of their samples, summed up, where the job clamps
 };
 
 /// A broken invariant that a sweep found, and what was done about it.

@@ -76,6 +76,7 @@ ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& m
         job.pixelSamplesMerged += tally.samples;
         frame.passesMerged += tally.merged;
         addFaults(job, frame, merge.faults);
+        job.keptLuminance += merge.keptLuminance;
         if (tally.merged > 0) {
             ++frame.revision;
             t.workers.addContribution({job.key, target.lease.worker, seconds, tally.merged, tally.samples});

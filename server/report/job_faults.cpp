@@ -44,6 +44,7 @@ std::vector<std::string> faultsOf(const JobRow& job) {
 json numericsOf(const JobRow& job) {
     const double paths = static_cast<double>(job.pixelSamplesMerged);
     const auto perPath = [&](double sum) { return paths > 0 ? sum / paths : 0; };
+    const double light = job.keptLuminance + job.clampedLuminance;
     return {{"droppedSamples", job.droppedSamples},
             {"rejectedPaths", job.rejectedPaths},
             {"truncatedPaths", job.truncatedPaths},
@@ -51,6 +52,7 @@ json numericsOf(const JobRow& job) {
             {"truncatedThroughput", perPath(job.truncatedThroughput)},
             {"clampedSamples", job.clampedSamples},
             {"clampedLuminance", perPath(job.clampedLuminance)},
+            {"clampedPercent", light > 0 ? 100 * job.clampedLuminance / light : 0},
             {"samples", samplesOf(job)}};
 }
 

@@ -41,6 +41,7 @@ struct JobRow {
     // PassFaults of shared/film/film.h, of all merged passes.
     uint64_t rejectedPaths = 0, truncatedPaths = 0, clampedSamples = 0;
     double truncatedThroughput = 0, clampedLuminance = 0;
+    double keptLuminance = 0;  // of all samples, summed up; counted where settings clamp
     std::vector<std::string> faultSamples;  // "frame x y sample" of the first dropped samples
 
     double fractionDone() const {

@@ -195,7 +195,12 @@ ALTER TABLE jobs ADD COLUMN clamped_samples INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE jobs ADD COLUMN clamped_luminance REAL NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut};
+// What clamping left, so that what it took is a share of something.
+constexpr const char* kLightKept = R"sql(
+ALTER TABLE jobs ADD COLUMN kept_luminance REAL NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut, kLightKept};
 
 }  // namespace
 

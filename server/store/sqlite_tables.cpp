@@ -51,6 +51,7 @@ struct Jobs : JobTable {
         row.truncatedThroughput = q.real(25);
         row.clampedSamples = q.number<uint64_t>(26);
         row.clampedLuminance = q.real(27);
+        row.keptLuminance = q.real(28);
         return row;
     }
     static std::optional<JobRow> first(Query& q) { return q.next() ? std::optional(row(q)) : std::nullopt; }
@@ -106,13 +107,13 @@ struct Jobs : JobTable {
     }
     JobKey insert(const JobRow& row) override {
         auto q =
-            c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+            c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.id, toString(row.state), row.priority, row.specJson, keyOrNull(row), row.bodyDigest,
                row.created, row.started, row.finished, row.passes, row.passesMerged, row.pixelSamples,
                row.pixelSamplesMerged, row.frames, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
-               row.clampedSamples, row.clampedLuminance)
+               row.clampedSamples, row.clampedLuminance, row.keptLuminance)
             .run();
         return c.db().getLastInsertRowid();
     }
@@ -122,12 +123,12 @@ struct Jobs : JobTable {
             "pixel_samples_merged=?, frames_started=?, frames_done=?, samples_merged=?, "
             "relative_error=?, device_seconds=?, "
             "dropped_samples=?, faults=?, rejected_paths=?, truncated_paths=?, fault_samples=?, "
-            "truncated_throughput=?, clamped_samples=?, clamped_luminance=? WHERE key=?");
+            "truncated_throughput=?, clamped_samples=?, clamped_luminance=?, kept_luminance=? WHERE key=?");
         q.with(toString(row.state), row.priority, row.started, row.finished, row.passesMerged,
                row.pixelSamplesMerged, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
-               row.clampedSamples, row.clampedLuminance, row.key)
+               row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.key)
             .run();
     }
 };

@@ -105,6 +105,7 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.truncatedThroughput = 0.5;
         job.clampedSamples = 13;
         job.clampedLuminance = 0.75;
+        job.keptLuminance = 2.25;
         job.faultSamples = {"0 1 2 3", "4 5 6 7"};
         t.jobs.update(job);
     });
@@ -126,6 +127,7 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.truncatedThroughput, 0.5);
         EXPECT_EQ(found.clampedSamples, 13u);
         EXPECT_EQ(found.clampedLuminance, 0.75);
+        EXPECT_EQ(found.keptLuminance, 2.25);
         EXPECT_EQ(found.faultSamples, (std::vector<std::string>{"0 1 2 3", "4 5 6 7"}));
         EXPECT_EQ(t.jobs.find("a")->key, key);
         EXPECT_FALSE(t.jobs.find("b"));

@@ -127,6 +127,27 @@ TEST_F(HardLimits, HardCase44_RegularisationMovesLightAndRemovesNone) {
     }
 }
 
+TEST_F(HardLimits, HardCase44_RegularisationChangesTheMeanOfARoomByLittle) {
+    // Nothing counts what it does within a path: paths go elsewhere. What a user compares are two pictures.
+    Scene scene = litRoom();
+    Material glass;
+    glass.metallic = 0;
+    glass.roughness = 0;
+    glass.transmission = 1;
+    glass.thickness = 1;
+    addMesh(scene, sphereMesh(24), glass,
+            glm::scale(glm::translate(glm::dmat4(1), {0.3, -0.6, 0}), glm::dvec3(0.4)));
+    const Camera camera = cameraAt({0, -0.3, 0.95}, {0, -0.6, -0.2}, 1.4);
+    Shot shot{.size = 24, .samples = 128, .maxBounces = 6};
+    const Picture reference = render(device, scene, camera, shot);
+    shot.regularisation = 0.3;
+    const Picture blurred = render(device, scene, camera, shot);
+    const double total = luminanceOf(reference), change = std::abs(luminanceOf(blurred) - total) / total;
+    recordWorst("changed_percent", 100 * change);
+    EXPECT_LT(change, 0.05);
+    EXPECT_GT(relMse(blurred, reference), 1e-4) << "one that does nothing tests nothing";
+}
+
 // ---- 47
 
 TEST_F(HardLimits, HardCase47_AnApertureTowardsNothingIsAPinhole) {

@@ -16,12 +16,12 @@ std::vector<TestRay> raysFromInside(const Triangles& shell, glm::vec3 centre, fl
     std::vector<TestRay> rays(count);
     for (uint32_t i = 0; i < count; ++i) {
         const glm::vec3 from = centre + spread * static_cast<float>(random.unit()) * random.direction();
-        const size_t corner = i % shell.size(), first = corner / 3 * 3;
+        const size_t corner = i / 4 % shell.size(), first = corner / 3 * 3;  // all four ways at each
         const glm::vec3 a = shell[corner], b = shell[first + (corner + 1) % 3];
         switch (i % 4) {
             case 0: rays[i] = rayTowards(from, a); break;
             case 1: rays[i] = rayTowards(from, 0.5f * (a + b)); break;
-            case 2: rays[i] = rayTowards(centre, i % 8 < 4 ? a : 0.5f * (a + b)); break;
+            case 2: rays[i] = rayTowards(centre, corner % 2 ? a : 0.5f * (a + b)); break;
             default: rays[i].origin = from, rays[i].direction = random.direction();
         }
     }

@@ -30,8 +30,17 @@ json sceneJson(const JobSpec& spec, const PreparedScene& scene) {
             {"sanitisedTexels", counts.sanitisedTexels}};
 }
 
+/// Of all samples, summed up.
+double luminanceOf(const RenderedFrame& frame) {
+    double sum = 0;
+    for (const FilmTile& tile : frame.tiles)
+        for (const FilmPixel& pixel : tile.pixels) sum += pixel.count * pixel.luminance();
+    return sum;
+}
+
 // As the server's reports have it, without what the scene says.
-json numericsJson(const JobSpec& spec, const RenderStats& stats) {
+json numericsJson(const JobSpec& spec, const RenderedFrame& frame) {
+    const RenderStats& stats = frame.stats;
     json samples = json::array();
     for (const DroppedSample& s : stats.faults.dropped)
         samples.push_back({{"frame", spec.frames.first},
@@ -41,13 +50,15 @@ json numericsJson(const JobSpec& spec, const RenderStats& stats) {
                            {"seed", spec.settings.seed}});
     const double paths = static_cast<double>(stats.samples);
     const auto perPath = [&](double sum) { return paths > 0 ? sum / paths : 0; };
+    const double removed = stats.faults.clampedLuminance, light = removed + luminanceOf(frame);
     return {{"droppedSamples", stats.droppedSamples},
             {"rejectedPaths", stats.faults.rejectedPaths},
             {"truncatedPaths", stats.faults.truncatedPaths},
             {"truncatedShare", perPath(static_cast<double>(stats.faults.truncatedPaths))},
             {"truncatedThroughput", perPath(stats.faults.truncatedThroughput)},
             {"clampedSamples", stats.faults.clampedSamples},
-            {"clampedLuminance", perPath(stats.faults.clampedLuminance)},
+            {"clampedLuminance", perPath(removed)},
+            {"clampedPercent", removed > 0 && light > 0 ? 100 * removed / light : 0},
             {"samples", samples}};
 }
 
@@ -104,7 +115,7 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
         {"samplesPerSecond", perSecond(stats.samples, stats.deviceSeconds)},
         {"raysPerSecond", perSecond(stats.rays, stats.deviceSeconds)},
         {"droppedSamples", stats.droppedSamples},
-        {"numerics", numericsJson(spec, stats)},
+        {"numerics", numericsJson(spec, frame)},
         {"samplesPerPixel", spec.stop.samples},
         {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
         {"errorCurve", curveJson(frame)}};

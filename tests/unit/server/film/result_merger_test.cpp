@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "server/report/job_faults.h"
 #include "shared/image/exr.h"
 #include "tests/support/expect_error.h"
 #include "tests/unit/server/support/test_farm.h"
@@ -160,6 +162,29 @@ TEST(ResultMerger, PutsBackWhatAPartialResultLeftOut) {
     EXPECT_EQ(farm.frame(id).passesLeased, 0u);
     farm.finish();
     EXPECT_EQ(farm.job(id).state, JobState::completed);
+}
+
+TEST(ResultMerger, SaysWhichShareOfTheLightClampsRemoved) {
+    JobSpec spec = smallJob();
+    const auto percentOf = [&](const TestFarm& farm, const std::string& id) {
+        return numericsOf(farm.job(id)).at("clampedPercent").get<double>();
+    };
+    double luminance = 0;
+    for (const FilmTile& tile : renderFrame(spec))
+        for (const FilmPixel& pixel : tile.pixels) luminance += pixel.count * pixel.luminance();
+    for (const double bound : {0.0, 2.0}) {
+        spec.settings.clampIndirect = bound;
+        TestFarm farm(smallLeases());
+        const std::string id = farm.scheduler->submit(spec).job.id;
+        EXPECT_EQ(percentOf(farm, id), 0);
+        for (const Lease& lease : allLeases(farm)) {
+            auto films = renderLease(lease);
+            if (bound > 0) films[0].faults.clampedLuminance = luminance / 16;  // of four leases each
+            farm.deliver(lease, films);
+            farm.deliver(lease, films);  // a repeated upload counts once
+        }
+        EXPECT_NEAR(percentOf(farm, id), bound > 0 ? 20 : 0, 1e-4);
+    }
 }
 
 TEST(ResultMerger, RefusesResultsOfAnEndedJob) {

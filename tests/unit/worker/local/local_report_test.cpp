@@ -18,6 +18,9 @@ struct LocalReportTest : testing::Test {
         scene.loadSeconds = 0.5;
         frame.stats = {2.0, 1000, 4000, 7, {3, 250, 50, 20, 5, {{5, 6, 11}}}};
         spec.settings.seed = 9;
+        FilmTile tile({0, 0, 2, 1});
+        for (FilmPixel& pixel : tile.pixels) pixel.mean = {0.03, 0.03, 0.03}, pixel.count = 250;
+        frame.tiles = {tile};
         frame.seconds = 2.5;
         frame.errorCurve = {{1, std::nullopt, 0.5}, {2, 0.25, 2.0}};
     }
@@ -48,6 +51,7 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["numerics"]["truncatedThroughput"], 0.05);
     EXPECT_EQ(report["numerics"]["clampedSamples"], 20);
     EXPECT_EQ(report["numerics"]["clampedLuminance"], 0.005);
+    EXPECT_DOUBLE_EQ(report["numerics"]["clampedPercent"].get<double>(), 25) << "5 of 5 + 15";
     EXPECT_EQ(report["numerics"]["samples"][0],
               (nlohmann::json{{"frame", 0}, {"x", 5}, {"y", 6}, {"sample", 11}, {"seed", 9}}));
     EXPECT_EQ(report["errorCurve"][0]["relativeError"], nullptr);
