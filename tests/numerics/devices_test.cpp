@@ -2,8 +2,8 @@
 // rounding differs.
 //
 // With several drivers in VK_DRIVER_FILES the first test compares them with one another. The second compares
-// each with pictures that one device left in tests/data, so that a machine without a GPU compares with one too.
-// TILEFARM_CASE_45_WRITE=<folder> has the first device write such pictures there instead.
+// each with pictures that one device left in tests/data, so that a machine without a GPU compares with one
+// too. TILEFARM_CASE_45_WRITE=<folder> has the first device write such pictures there instead.
 #include <fmt/format.h>
 
 #include <cmath>
