@@ -26,18 +26,27 @@ json samplesOf(const JobRow& job) {
     return list;
 }
 
+uint64_t droppedOf(const JobRow& job) {
+    return std::max<uint64_t>(job.droppedSamples, job.faultSamples.size());
+}
+
 }  // namespace
 
 bool isFlagged(const JobRow& job) {
-    return job.droppedSamples > 0 || !job.faultSamples.empty();
+    return droppedOf(job) > 0 || job.rejectedPaths > 0;
 }
 
 std::vector<std::string> faultsOf(const JobRow& job) {
     std::vector<std::string> faults = job.faults;
-    if (isFlagged(job))
+    if (const uint64_t dropped = droppedOf(job))
         faults.push_back(
-            fmt::format("{} samples were NaN or infinite and were left out; see numerics.samples",
-                        std::max<uint64_t>(job.droppedSamples, job.faultSamples.size())));
+            fmt::format("{} NaN or infinite and left out; see numerics.samples",
+                        dropped == 1 ? "1 sample was" : fmt::format("{} samples were", dropped)));
+    if (const uint64_t rejected = job.rejectedPaths)
+        faults.push_back(
+            fmt::format("{} ended on a direction without probability or inside of more nested solids than a "
+                        "path can hold: their light is missing",
+                        rejected == 1 ? "1 path" : fmt::format("{} paths", rejected)));
     return faults;
 }
 

@@ -8,7 +8,8 @@
 
 namespace tilefarm {
 
-/// Whether samples of the job were NaN or infinite, so that its image is one of the other samples alone.
+/// Whether samples of the job were NaN or infinite, so that its image is one of the other samples alone, or
+/// paths ended that should not have.
 bool isFlagged(const JobRow& job);
 
 /// Sentences for people: why a job failed, and what its image lacks.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "affine.comp.h"
+#include "beyond.comp.h"
 #include "tests/shader/device_fixture.h"
 #include "tests/support/expect_error.h"
 #include "worker/vk/commands.h"
@@ -212,6 +213,35 @@ TEST(VkDevicesDeathTest, WithoutADriverTheListIsEmptyAndOpeningIsAnError) {
             _exit(right ? 0 : 1);
         },
         testing::ExitedWithCode(0), "");
+}
+
+// That the checks see anything: without this a clean run of the suite under them would say nothing.
+TEST(VkDevicesDeathTest, GpuAssistedValidationSeesReadsBeyondABuffer) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(
+        {
+            setenv("TILEFARM_VALIDATION", "gpu", 1);
+            const Error error = errorOf([] {
+                Device device(defaultDevice());
+                const std::vector<float> texels(8);
+                StorageBuffer values(device, 256, "values");
+                const std::vector<Binding> bindings{
+                    TexelBuffer(device, TexelFormat::rgba32f, bytesOf(texels), "table"), values};
+                const ComputePipeline pipeline(device,
+                                               {.spirv = beyond_comp,
+                                                .bindings = {BindingKind::texels, BindingKind::storage},
+                                                .name = "beyond"});
+                CommandRun run(device);
+                run.dispatch(pipeline, bindings, {}, 1);
+                run.runAndWait();
+                ComputePipeline(device, {.spirv = beyond_comp,
+                                         .bindings = {BindingKind::texels, BindingKind::storage},
+                                         .name = "next"});
+            });
+            std::fprintf(stderr, "%s\n", error.what());
+            _exit(0);
+        },
+        testing::ExitedWithCode(0), "texel");
 }
 
 TEST(VkDevicesDeathTest, APipelineCacheSurvivesATornFile) {

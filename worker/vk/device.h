@@ -24,7 +24,8 @@ struct DeviceInfo {
 
 struct DeviceOptions {
     /// Validation layers; any message of theirs makes the next call throw. Also turned on by the
-    /// environment variable TILEFARM_VALIDATION=1. Error(unprocessable) if they are not installed.
+    /// environment variable TILEFARM_VALIDATION=1, and by =gpu with checks of what kernels access.
+    /// Error(unprocessable) if they are not installed.
     bool validation = false;
     /// A queue that draws too (raster.h), where the device has one. Without it a queue that computes only
     /// is preferred: on GPUs it is not shared with the desktop.

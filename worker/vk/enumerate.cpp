@@ -112,7 +112,12 @@ std::string listed(const std::vector<Found>& found) {
 
 bool validationByEnvironment() {
     const char* value = std::getenv("TILEFARM_VALIDATION");
-    return value && std::strcmp(value, "1") == 0;
+    return value && (std::strcmp(value, "1") == 0 || std::strcmp(value, "gpu") == 0);
+}
+
+bool gpuAssistedByEnvironment() {
+    const char* value = std::getenv("TILEFARM_VALIDATION");
+    return value && std::strcmp(value, "gpu") == 0;
 }
 
 const std::filesystem::path& shaderCacheFolder() {
@@ -149,10 +154,12 @@ vk::raii::Instance validatedInstance(ValidationLog& log) {
             "Vulkan validation was asked for, but VK_LAYER_KHRONOS_validation is not installed (Debian: "
             "vulkan-validationlayers)");
     const std::vector<const char*> layers{kValidationLayer}, extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
-    const vk::ValidationFeatureEnableEXT synchronization =
-        vk::ValidationFeatureEnableEXT::eSynchronizationValidation;
+    using Enable = vk::ValidationFeatureEnableEXT;
+    std::vector<Enable> enabled{Enable::eSynchronizationValidation};
+    if (gpuAssistedByEnvironment())
+        enabled.insert(enabled.end(), {Enable::eGpuAssisted, Enable::eGpuAssistedReserveBindingSlot});
     vk::StructureChain chain{vk::InstanceCreateInfo({}, &kApplication, layers, extensions),
-                             messengerInfo(log), vk::ValidationFeaturesEXT(1, &synchronization)};
+                             messengerInfo(log), vk::ValidationFeaturesEXT(enabled)};
     return vk::raii::Instance(loader, chain.get<vk::InstanceCreateInfo>());
 }
 

@@ -17,8 +17,12 @@ struct Found {
     DeviceLimits limits;
 };
 
-/// TILEFARM_VALIDATION=1 is in the environment.
+/// TILEFARM_VALIDATION=1 (or gpu) is in the environment.
 bool validationByEnvironment();
+
+/// TILEFARM_VALIDATION=gpu is in the environment: the layers also rewrite the kernels so that these check
+/// their own accesses to buffers. Kernels then compile and run many times slower.
+bool gpuAssistedByEnvironment();
 
 /// The folder of useShaderCache; empty if none was named.
 const std::filesystem::path& shaderCacheFolder();
