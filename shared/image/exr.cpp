@@ -15,7 +15,7 @@
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/image/durable_stream.h"
-#include "shared/image/exr_bytes.h"
+#include "shared/image/exr_header_check.h"
 
 namespace tilefarm {
 
@@ -28,12 +28,7 @@ constexpr std::string_view kPrefix = "tilefarm.";
 // 2.6 s against 4.2 s).
 constexpr int kZipLevel = 1;
 
-// What a reader takes, so that a header of a few bytes cannot ask for all memory. Deflate reaches
-// 1032:1 at most; other methods stay below twice that on whole files.
-constexpr int64_t kLargestSide = 65536;
 constexpr uint64_t kMostDecodedBytes = uint64_t{8} << 30;
-constexpr uint64_t kMostExpansion = 2048;
-constexpr uint64_t kLargestFreeTile = uint64_t{4096} * 4096;  // pixels of a tile that no bytes need bear out
 
 // ---- Streams between OpenEXR and ours
 
@@ -189,9 +184,9 @@ private:
 void requireModest(const Imf::Header& header, uint64_t encodedBytes, uint32_t& width, uint32_t& height) {
     const Imath::Box2i& window = header.dataWindow();
     const int64_t w = int64_t{window.max.x} - window.min.x + 1, h = int64_t{window.max.y} - window.min.y + 1;
-    if (w < 1 || h < 1 || w > kLargestSide || h > kLargestSide)
+    if (w < 1 || h < 1 || w > kLargestExrSide || h > kLargestExrSide)
         throw std::runtime_error(
-            fmt::format("it claims {}x{} pixels; {} a side are the most", w, h, kLargestSide));
+            fmt::format("it claims {}x{} pixels; {} a side are the most", w, h, kLargestExrSide));
     uint64_t channels = 0;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++channels)
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1)
@@ -200,7 +195,7 @@ void requireModest(const Imf::Header& header, uint64_t encodedBytes, uint32_t& w
     const uint64_t pixels = uint64_t{width} * height;
     if (channels == 0 || channels > kMostDecodedBytes / sizeof(float) / pixels)
         throw std::runtime_error(fmt::format("it claims {}x{} pixels of {} channels", w, h, channels));
-    if (pixels * channels * sizeof(float) / kMostExpansion > encodedBytes)
+    if (pixels * channels * sizeof(float) / kMostExrExpansion > encodedBytes)
         throw std::runtime_error(fmt::format("{} bytes cannot hold its {}x{} pixels", encodedBytes, w, h));
 }
 
@@ -257,43 +252,10 @@ auto reading(const std::string& name, Read&& read) {
     }
 }
 
-// OpenEXR also makes tables of a window's height and buffers of a tile's size as soon as it opens a file.
-void requireOpenable(std::string_view name, std::string_view value, uint64_t encodedBytes) {
-    if (name == "dataWindow" && value.size() == 4 * sizeof(int32_t)) {
-        std::array<int32_t, 4> window;
-        std::memcpy(window.data(), value.data(), value.size());
-        const int64_t w = int64_t{window[2]} - window[0] + 1, h = int64_t{window[3]} - window[1] + 1;
-        if (w > kLargestSide || h > kLargestSide)
-            throw std::runtime_error(
-                fmt::format("it claims {}x{} pixels; {} a side are the most", w, h, kLargestSide));
-    }
-    if (name == "tiles" && value.size() == 2 * sizeof(uint32_t) + 1) {
-        std::array<uint32_t, 2> tile;
-        std::memcpy(tile.data(), value.data(), sizeof tile);
-        const uint64_t pixels = uint64_t{tile[0]} * tile[1];
-        // Tiles may be larger than a small picture.
-        if (pixels > kLargestFreeTile && pixels / (kMostExpansion / sizeof(float)) > encodedBytes)
-            throw std::runtime_error(
-                fmt::format("{} bytes cannot hold its tiles of {}x{}", encodedBytes, tile[0], tile[1]));
-    }
-}
-
-// OpenEXR takes memory for an attribute of the size it claims, up to 2 GiB, before it reads it.
-void requireAttributesWithin(std::span<const std::byte> bytes) {
-    ExrBytes in(bytes);
-    if (bytes.size() < 8 || in.get<uint32_t>("the magic number") != kExrMagic)
-        throw std::runtime_error("it is none");
-    constexpr uint32_t kMultiPart = 0x1000;
-    const bool multiPart = in.get<uint32_t>("the version") & kMultiPart;
-    const auto check = [&](auto name, auto, auto value) { requireOpenable(name, value, bytes.size()); };
-    while (forEachAttribute(in, check) && multiPart) {
-    }
-}
-
 template <typename Read>
 auto readingFile(const std::string& name, std::span<const std::byte> bytes, Read&& read) {
     return reading(name, [&] {
-        requireAttributesWithin(bytes);
+        requireHonestExrHeaders(bytes);
         MemoryStream stream(bytes, name);
         Imf::InputFile exr(stream, 0);
         return read(exr);

@@ -1,6 +1,5 @@
 // Writes what the fuzzers begin with, where the tree has no such files: jobs, a lease, scenes, pictures, and
-// the words of our JSON as a dictionary. From the code itself, so that new members are fuzzed as soon as they
-// are there.
+// the words of glTF as a dictionary.
 //     make_seeds FOLDER
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -11,12 +10,17 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <span>
+
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
 
 #include "shared/image/exr.h"
 #include "shared/job/wire.h"
-#include "tests/fuzz/seed_file.h"
+#include "tests/fuzz/gltf_words.h"
+#include "tests/fuzz/scene_seeds.h"
 
 namespace {
 
@@ -57,24 +61,10 @@ void writeJobs(const fs::path& folder) {
     write(folder / "hello.json", toJson(WorkerHello{"w", "host", "device", "driver", "1"}).dump());
 }
 
-void collectWords(const json& schema, std::set<std::string>& words) {
-    if (schema.is_object())
-        for (const auto& [key, value] : schema.items()) {
-            if (key == "properties")
-                for (const auto& [name, member] : value.items()) words.insert(name);
-            if (key == "enum")
-                for (const json& word : value) words.insert(word.get<std::string>());
-            collectWords(value, words);
-        }
-    if (schema.is_array())
-        for (const json& item : schema) collectWords(item, words);
-}
-
+// What libFuzzer puts into bytes; the members of jobs it gets from job_mutator.cpp.
 void writeDictionary(const fs::path& path) {
-    std::set<std::string> words;
-    collectWords(jobSchema(), words);
     std::string text;
-    for (const std::string& word : words) text += "\"\\\"" + word + "\\\"\"\n";
+    for (const std::string_view word : fuzz::kGltfWords) text += "\"\\\"" + std::string(word) + "\\\"\"\n";
     write(path, text);
 }
 
@@ -109,14 +99,6 @@ void writeForeignPictures(const fs::path& folder) {
     });
 }
 
-void writeScenes(const fs::path& folder) {
-    fs::create_directories(folder);
-    seedFile().writeGlb(folder, "seed.glb");
-    seedFile().writeEmbedded(folder, "seed.gltf");
-    for (const bool edgebreaker : {false, true})
-        dracoFile(edgebreaker).writeGlb(folder, edgebreaker ? "edgebreaker.glb" : "sequential.glb");
-}
-
 void writePictures(const fs::path& folder) {
     const ImageSpec image{16, 8, 8};
     FloatImage picture{16, 8, {"R", "G", "B", "Z"}, {}};
@@ -125,12 +107,53 @@ void writePictures(const fs::path& folder) {
     writeExr(folder / "picture.exr", picture, {{"job", "1"}});
     const TileGrid grid(image);
     writeFrameExr(folder / "frame.exr", image, [&](uint32_t tile) { return FilmTile(grid.rect(tile)); }, {});
-    PassFilm film{0, grid.rect(0), {0, 1}, std::vector<PassPixel>(64), {}};
-    write(folder / "passes.exr", encodePassFilms(std::span(&film, 1), image, {}));
     std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 16\n";
     for (int row = 0; row < 2; ++row)
         hdr += std::string("\x02\x02\x00\x10", 4) + "\x90\x81\x90\x81\x90\x81\x90\x81";
     write(folder / "sky.hdr", hdr);
+}
+
+// Of each layout that films can have, with faults and without.
+void writeUploads(const fs::path& folder) {
+    const ImageSpec image{16, 8, 8};
+    const TileGrid grid(image);
+    int number = 0;
+    for (const FilmLayout& layout : FilmLayout::all()) {
+        PassFilm film{0, grid.rect(0), {0, 1}, std::vector<PassPixel>(64), {}};
+        film.layout = layout;
+        film.extra.resize(64 * layout.floats());
+        PassFilm other = film;
+        other.tile = 1;
+        other.rect = grid.rect(1);
+        other.faults.rejectedPaths = 3;
+        other.faults.truncatedPaths = 4;
+        other.faults.clampedSamples = 5;
+        other.faults.dropped.resize(2);
+        const bool large = layout.floats() > 16;  // one part of these is enough
+        const std::vector<PassFilm> films = large ? std::vector{film} : std::vector{film, other};
+        write(folder / ("layout" + std::to_string(number++) + ".exr"),
+              encodePassFilms(films, image, {{"job", "1"}}));
+    }
+}
+
+void writeTextures(const fs::path& folder) {
+    for (const auto& [channels, bits] : {std::pair{3u, 8u}, {4u, 8u}, {3u, 16u}, {4u, 16u}})
+        write(folder / ("c" + std::to_string(channels) + "b" + std::to_string(bits) + ".png"),
+              encodePng(5, 3, channels, bits, std::vector<uint16_t>(size_t{15} * channels, 300)));
+    const std::vector<unsigned char> pixels(20 * 9 * 3, 99);
+    int size = 0;
+    // Compressed, which our own writer of PNG does not do.
+    unsigned char* const png = stbi_write_png_to_mem(pixels.data(), 20 * 3, 20, 9, 3, &size);
+    write(folder / "deflated.png", std::as_bytes(std::span(png, static_cast<size_t>(size))));
+    STBIW_FREE(png);
+    for (const int channels : {1, 3}) {
+        const auto append = [](void* to, void* data, int bytes) {
+            static_cast<std::string*>(to)->append(static_cast<const char*>(data), static_cast<size_t>(bytes));
+        };
+        std::string jpeg;
+        stbi_write_jpg_to_func(append, &jpeg, 20, 9, channels, pixels.data(), channels == 1 ? 95 : 20);
+        write(folder / ("c" + std::to_string(channels) + ".jpg"), jpeg);
+    }
 }
 
 }  // namespace
@@ -139,9 +162,12 @@ int main(int argc, char** argv) {
     if (argc != 2) return 2;
     const fs::path folder = argv[1];
     writeJobs(folder / "job");
-    writeDictionary(folder / "job.dict");
+    writeDictionary(folder / "gltf.dict");
     writePictures(folder / "image");
     writeForeignPictures(folder / "image");
-    writeScenes(folder / "gltf");
+    writeTextures(folder / "image");
+    writeUploads(folder / "upload");
+    fs::create_directories(folder / "gltf");
+    writeSceneSeeds(folder / "gltf");
     return 0;
 }

@@ -177,13 +177,16 @@ Accessor::Sparse Accessors::parseSparse(const JsonNode& node, const Accessor& ac
     return sparse;
 }
 
-void Accessors::checkUnbacked(uint32_t index) const {
+void Accessors::takeUnbacked(uint32_t index) {
     const Accessor& accessor = accessors_[index];
-    const uint64_t bytes = uint64_t{accessor.count} * accessor.elementBytes;
-    if (!accessor.view && bytes > kMaxUnbackedBytes) {
-        nodes_[index].fail(
-            fmt::format("has {} bytes of zeros that no buffer view backs, at most {} are allowed", bytes,
-                        kMaxUnbackedBytes));
+    if (accessor.view) {
+        return;
+    }
+    unbacked_ += uint64_t{accessor.count} * accessor.elementBytes;
+    if (unbacked_ > kMaxUnbackedBytes) {
+        nodes_[index].fail(fmt::format(
+            "with it, {} bytes of zeros are read that no buffer view backs; at most {} are allowed",
+            unbacked_, kMaxUnbackedBytes));
     }
 }
 
@@ -194,7 +197,7 @@ std::vector<Element> Accessors::read(uint32_t index, uint32_t components) {
         nodes_[index]["type"].fail(components == 1 ? "must be SCALAR here"
                                                    : fmt::format("must be VEC{} here", components));
     }
-    checkUnbacked(index);
+    takeUnbacked(index);
     std::vector<Element> elements(accessor.count, Element(0.0f));
     readInto(index, reinterpret_cast<float*>(elements.data()));
     return elements;
@@ -217,7 +220,7 @@ std::vector<float> Accessors::numbers(uint32_t index) {
     if (accessor.matrix) {
         nodes_[index]["type"].fail("must be SCALAR or VECn here");
     }
-    checkUnbacked(index);
+    takeUnbacked(index);
     std::vector<float> result(uint64_t{accessor.count} * accessor.components, 0.0f);
     readInto(index, result.data());
     return result;
@@ -228,7 +231,7 @@ std::vector<glm::mat4> Accessors::mat4s(uint32_t index) {
     if (!accessor.matrix || accessor.components != 16 || accessor.type != ComponentType::f32) {
         nodes_[index].fail("must be a MAT4 of component type 5126 here");
     }
-    checkUnbacked(index);
+    takeUnbacked(index);
     std::vector<glm::mat4> result(accessor.count, glm::mat4(0.0f));
     readInto(index, reinterpret_cast<float*>(result.data()));
     return result;
@@ -287,7 +290,7 @@ std::vector<uint32_t> Accessors::integers(uint32_t index) {
     if (accessor.components != 1 || !isUnsigned(accessor.type) || accessor.normalized) {
         nodes_[index].fail("must be a SCALAR of component type 5121, 5123 or 5125, not normalized");
     }
-    checkUnbacked(index);
+    takeUnbacked(index);
     std::vector<uint32_t> result(accessor.count, 0);
     if (accessor.view && accessor.count > 0) {
         const std::byte* data = views_.bytes(*accessor.view).data() + accessor.offset;

@@ -39,6 +39,9 @@ public:
     size_t count() const { return accessors_.size(); }
     const Accessor& operator[](uint32_t index) const { return accessors_[index]; }
 
+    /// What is read without a buffer view behind it is counted from here on, against kMaxUnbackedBytes.
+    void beginPose() { unbacked_ = 0; }
+
     std::vector<float> scalars(uint32_t index);
     std::vector<glm::vec2> vec2s(uint32_t index);
     std::vector<glm::vec3> vec3s(uint32_t index);
@@ -57,13 +60,14 @@ private:
     template <typename Element>
     std::vector<Element> read(uint32_t index, uint32_t components);
     void readInto(uint32_t index, float* out);
-    void checkUnbacked(uint32_t index) const;
+    void takeUnbacked(uint32_t index);
     void applySparse(uint32_t index, float* out);
     std::vector<uint32_t> sparseIndices(uint32_t index);
 
     JsonNode nodes_;
     BufferViews& views_;
     std::vector<Accessor> accessors_;
+    uint64_t unbacked_ = 0;  // bytes read since beginPose()
 };
 
 }  // namespace tilefarm

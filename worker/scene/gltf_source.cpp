@@ -71,6 +71,7 @@ struct GltfSource::Impl {
         next.warnings = std::move(scene.warnings);
         scene = std::move(next);
         animations.apply(file.document(), seconds);
+        accessors.beginPose();
         scene.materials = parseMaterials(load, textures, options);
         // Before the meshes are read, whose tangents depend on what their material is.
         applyOverrides(scene, options.materials);

@@ -218,16 +218,31 @@ JsonDocument::JsonDocument(std::string_view text, std::string file) : file_(std:
 
 JsonDocument::~JsonDocument() = default;
 
+namespace {
+
+// A pointer that was checked may still lead through something that is neither object nor array.
+template <typename Value>
+void setAt(json& document, const std::string& file, const std::string& pointer, const Value& value) {
+    try {
+        document[json::json_pointer(pointer)] = value;
+    } catch (const json::exception&) {
+        const std::string fault = "no value can be put there";
+        throw Error(ErrorCode::invalidArgument, fmt::format("{}: {}: {}", file, pointer, fault), {{pointer, fault}});
+    }
+}
+
+}  // namespace
+
 void JsonDocument::set(const std::string& pointer, const std::vector<double>& numbers) {
-    (*json_)[json::json_pointer(pointer)] = numbers;
+    setAt(*json_, file_, pointer, numbers);
 }
 
 void JsonDocument::set(const std::string& pointer, double number) {
-    (*json_)[json::json_pointer(pointer)] = number;
+    setAt(*json_, file_, pointer, number);
 }
 
 void JsonDocument::set(const std::string& pointer, bool flag) {
-    (*json_)[json::json_pointer(pointer)] = flag;
+    setAt(*json_, file_, pointer, flag);
 }
 
 }  // namespace tilefarm

@@ -69,7 +69,7 @@ public:
     const std::string& file() const { return file_; }
 
     /// Gives the value at an RFC 6901 pointer another one, as an animation does. Objects on the way are made;
-    /// nodes of other values stay good.
+    /// nodes of other values stay good. Throws Error(invalidArgument) if it leads through what can hold nothing.
     void set(const std::string& pointer, double number);
     void set(const std::string& pointer, const std::vector<double>& numbers);
     void set(const std::string& pointer, bool flag);

@@ -271,6 +271,33 @@ TEST(HostileExr, ThatClaimsHugeTilesIsRefusedBeforeBuffersAreMade) {
                 HasSubstr("cannot hold its tiles of 65536x65536"));
 }
 
+// OpenEXR reads some attributes by their contents and goes on where those end: found by image_fuzzer, which
+// made it take a name for the size of the next attribute.
+TEST(HostileExr, WhoseAttributesEndBeforeTheirSizeIsRefused) {
+    const auto whole = someExr();
+    const auto after = [&](std::string_view name) {
+        const std::string_view text(reinterpret_cast<const char*>(whole.data()), whole.size());
+        return text.find(name) + name.size();
+    };
+    auto bytes = whole;
+    bytes[after(std::string_view("channels\0chlist\0", 16)) + 4] = std::byte{0};  // the first channel's name
+    EXPECT_THAT(errorOf([&] { readExr(bytes, "hostile.exr"); }).what(),
+                HasSubstr("its list of channels ends before the attribute does"));
+    bytes = whole;
+    const size_t window = after(std::string_view("displayWindow\0box2i\0", 20));
+    bytes[window] = std::byte{20};
+    EXPECT_THAT(errorOf([&] { readExr(bytes, "hostile.exr"); }).what(),
+                HasSubstr("its attribute displayWindow of type box2i has 20 bytes, not 16"));
+    for (const std::string_view attribute :
+         {std::string_view("p\0preview\0\x0c\0\0\0\0\1\0\0\0\1\0\0abcd", 26),
+          std::string_view("s\0stringvector\0\x08\0\0\0\xff\xff\xff\x7f....", 27)}) {
+        bytes = whole;
+        const auto added = std::as_bytes(std::span(attribute));
+        bytes.insert(bytes.begin() + 8, added.begin(), added.end());
+        expectRefused(bytes, "an attribute larger than its size");
+    }
+}
+
 TEST(HostileExr, OtherFilesAreNamed) {
     const TemporaryFolder folder;
     std::ofstream(folder / "a.exr") << "no picture at all, but long enough to hold a header of some kind";

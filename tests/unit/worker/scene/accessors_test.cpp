@@ -118,7 +118,18 @@ TEST_F(SparseTest, ChecksItsRanges) {
 TEST_F(AccessorsTest, RefusesHugeAccessorsThatNothingBacks) {
     builder.set("/accessors/0", R"({"type": "VEC4", "componentType": 5126, "count": 2000000000})");
     EXPECT_THAT(errorOf([&] { with([](Accessors& a) { return a.vec4s(0); }); }).what(),
-                HasSubstr("/accessors/0: has 32000000000 bytes of zeros"));
+                HasSubstr("/accessors/0: with it, 32000000000 bytes of zeros"));
+}
+
+TEST_F(AccessorsTest, RefusesManyLargeAccessorsThatNothingBacksTogether) {
+    builder.set("/accessors/0", R"({"type": "SCALAR", "componentType": 5125, "count": 12500000})");
+    with([](Accessors& a) {
+        for (int i = 0; i < 5; ++i) EXPECT_EQ(a.integers(0).size(), 12500000u);
+        EXPECT_THAT(errorOf([&] { a.integers(0); }).what(), HasSubstr("no buffer view backs"));
+        a.beginPose();
+        EXPECT_EQ(a.integers(0).size(), 12500000u);
+        return 0;
+    });
 }
 
 TEST_F(AccessorsTest, PadsMatrixColumnsToFourBytes) {

@@ -230,6 +230,16 @@ TEST_F(AnimationsTest, MorphTargetsMoveNormalsAndTangentsAndMayBeSparse) {
     EXPECT_EQ(moved, 1u);
 }
 
+// Found by gltf_fuzzer: these came out as exceptions of the JSON library.
+TEST_F(AnimationsTest, PointersThatLeadThroughNoObjectAreFaults) {
+    builder.set("/materials/0", R"({"extras": {"extensions": {"KHR_texture_transform": 5}}})");
+    animate(pointer("/materials/0/extras/extensions/KHR_texture_transform/rotation"), {0}, {1}, "SCALAR");
+    EXPECT_THAT(fault(), HasSubstr("KHR_texture_transform/rotation: no value can be put there"));
+    builder = GltfBuilder::triangle();
+    animate(pointer("/nodes/00/translation"), {0}, {1, 1, 1});
+    EXPECT_THAT(fault(), HasSubstr("/nodes/00/translation: no value can be put there"));
+}
+
 TEST_F(AnimationsTest, FaultsAreNamedWithTheirPlace) {
     const auto expectFault = [&](auto change, const std::string& place, const std::string& words) {
         builder = GltfBuilder::triangle();
