@@ -242,6 +242,47 @@ TEST_F(HardSums, HardCase49_NoSeamOnASphere) {
     }
 }
 
+/// A sky that differs from row to row and around, but not between +z and −z.
+Environment skyAlikeBeforeAndBehind() {
+    Environment sky = uniformEnvironment(glm::vec3(0), 16, 8);
+    for (uint32_t y = 0; y < 8; ++y)
+        for (uint32_t x = 0; x < 16; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                sky.image.rgbaFloat[4 * (y * 16 + x) + c] =
+                    static_cast<float>(8 - y + std::min(x, 15 - x) % 3);
+    return sky;
+}
+
+/// The frame turns where the normal's z changes its sign, down the middle of the picture; light of either
+/// side is the same, at the seam as elsewhere.
+void expectNoSeam(const gpu::Device& device, const Material& material, const Shot& shot) {
+    Scene scene;
+    addMesh(scene, sphereMesh(48), material);
+    scene.environment = skyAlikeBeforeAndBehind();
+    const Picture picture = render(device, scene, cameraAt({4, 0.1, 0}, {0, 0, 0}, 0.2), shot);
+    const uint32_t half = shot.size / 2;
+    for (const uint32_t width : {half, 1u}) {
+        Picture before = picture, behind = picture;
+        before.pixels.clear(), behind.pixels.clear();
+        for (size_t i = 0; i < picture.pixels.size(); ++i) {
+            const auto x = static_cast<uint32_t>(i % shot.size);
+            if (x < half && x >= half - width) before.pixels.push_back(picture.pixels[i]);
+            if (x >= half && x < half + width) behind.pixels.push_back(picture.pixels[i]);
+        }
+        expectSameMean(meanOf(before), meanOf(behind), 1e-4);
+    }
+}
+
+TEST_F(HardSums, HardCase49_NoSeamUnderASkyThatVaries) {
+    expectNoSeam(device, matte(glm::vec3(0.8f)), {.size = 24, .samples = 64});
+}
+TEST_F(HardSums, FullHardCase49_NoSeamUnderASkyThatVaries) {
+    Material metal;
+    metal.roughness = 0.5f;
+    for (const Material& material : {matte(glm::vec3(0.8f)), metal})
+        expectNoSeam(device, material, {.size = 64, .samples = 512});
+}
+
 TEST_F(HardSums, HardCase52_RunningMeanOfAMillionPasses) {
     FilmPixel pixel;
     PassPixel pass;

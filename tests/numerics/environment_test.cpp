@@ -169,6 +169,14 @@ TEST_F(HardEnvironment, FullHardCase32_TexelPicks) {
     expectPicksInProportion(device, 8192, 4096, 4'000'000);
 }
 
+TEST_F(HardEnvironment, FullHardCase32_LargeMapIsUnbiased) {
+    const Environment map = mapOf(8192, 4096, wild);
+    const Picture picture =
+        render(device, floorUnder(map), downwards(), {.size = 32, .samples = 1024, .maxBounces = 1});
+    expectMean(meanOf(picture), 0.5 / pi * irradianceOf(map.image, 1), 1e-4);
+    EXPECT_EQ(picture.stats.droppedSamples, 0u);
+}
+
 TEST_F(HardEnvironment, HardCase33_EstimatorsAgree) {
     // The sun is a texel of a coarse map, so that the BSDF finds it often enough to have an error that says
     // something.

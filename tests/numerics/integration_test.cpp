@@ -76,6 +76,28 @@ TEST_F(HardPath, HardCase40_RussianRoulette) {
     }
 }
 
+TEST_F(HardPath, FullHardCase40_EveryStartOfRoulette) {
+    Scene box;
+    addMesh(box, cubeMesh(true), matte(glm::vec3(0.8f), glm::vec3(0.2f)));
+    Scene ball;
+    addMesh(ball, sphereMesh(32), glass(1.5f, 0.3f));
+    ball.environment = uniformEnvironment(glm::vec3(1));
+    const Camera inBox = cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2), outside = cameraAt({0, 0, 4}, {0, 0, 0}, 0.3),
+                 inGlass = cameraAt({0.2, 0.1, 0.3}, {0.3, 0.2, -1}, 1.0);
+    const Shot shot{.size = 32, .samples = 256, .maxBounces = 300, .rouletteStart = 1000};
+    const Mean plainOutside = meanOf(render(device, ball, outside, shot), 0, hit),
+               plainInside = meanOf(render(device, ball, inGlass, shot));
+    for (uint32_t start = 1; start <= 8; ++start) {
+        SCOPED_TRACE(start);
+        Shot roulette = shot;
+        roulette.rouletteStart = start;
+        roulette.seed = 1 + start;
+        expectMean(meanOf(render(device, box, inBox, roulette)), 1, 1e-5);
+        expectSameMean(meanOf(render(device, ball, outside, roulette), 0, hit), plainOutside);
+        expectSameMean(meanOf(render(device, ball, inGlass, roulette)), plainInside);
+    }
+}
+
 Mean furnace99(const gpu::Device& device, const Shot& shot) {
     Scene box;
     addMesh(box, cubeMesh(true), matte(glm::vec3(0.99f), glm::vec3(1)));

@@ -273,6 +273,8 @@ void expectNoBlackBand(const gpu::Device& device, const Shot& shot, int azimuths
             const Picture picture = render(device, view.scene, view.camera, shot);
             EXPECT_LE(double(blackPixels(picture)), 0.01 * double(picture.pixels.size())) << "azimuth " << k;
             const Mean mean = meanOf(picture);
+            recordWorst("furnace", mean.value);
+            recordWorst("black_percent", 100 * double(blackPixels(picture)) / double(picture.pixels.size()));
             EXPECT_LE(mean.value, 1.005 + zLimit() * mean.sigma) << "azimuth " << k;
             EXPECT_TRUE(allFinite(picture));
         }
