@@ -124,7 +124,7 @@ TEST(HardDevices, HardCase45_DevicesAgree) {
     expectDevicesAgree(kStored);
 }
 TEST(HardDevices, FullHardCase45_DevicesAgree) {
-    expectDevicesAgree({.size = 192, .samples = 256});
+    expectDevicesAgree({.size = 128, .samples = 256});
 }
 
 // ---- Pictures that were stored

@@ -82,7 +82,8 @@ TEST_F(HardPath, FullHardCase40_EveryStartOfRoulette) {
     Scene ball;
     addMesh(ball, sphereMesh(32), glass(1.5f, 0.3f));
     ball.environment = uniformEnvironment(glm::vec3(1));
-    const Camera inBox = cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2), outside = cameraAt({0, 0, 4}, {0, 0, 0}, 0.3),
+    const Camera inBox = cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2),
+                 outside = cameraAt({0, 0, 4}, {0, 0, 0}, 0.3),
                  inGlass = cameraAt({0.2, 0.1, 0.3}, {0.3, 0.2, -1}, 1.0);
     const Shot shot{.size = 32, .samples = 256, .maxBounces = 300, .rouletteStart = 1000};
     const Mean plainOutside = meanOf(render(device, ball, outside, shot), 0, hit),
@@ -194,8 +195,8 @@ TEST_F(HardPath, HardCase31_SolidWithinASolidEachAbsorbs) {
     Scene scene;
     addBox(scene, {10, 10, 1}, coloured(kBlockColor));
     addBall(scene, 0.5, coloured(kBallColor));
-    expectAlongZ(device, scene, 5, block * ball);                                        // 1 m of each
-    expectAlongZ(device, scene, 0.75, glm::pow(block, glm::dvec3(0.75)) * ball);         // from within the block
+    expectAlongZ(device, scene, 5, block * ball);                                 // 1 m of each
+    expectAlongZ(device, scene, 0.75, glm::pow(block, glm::dvec3(0.75)) * ball);  // from within the block
     expectAlongZ(device, scene, 0, glm::pow(block, glm::dvec3(0.5)) * glm::pow(ball, glm::dvec3(0.5)));
     expectAlongZ(device, scene, -0.75, glm::pow(block, glm::dvec3(0.25)));
 }
@@ -206,8 +207,8 @@ struct Layer {
 };
 Layer operator+(const Layer& a, const Layer& b) {
     const double series = 1 / (1 - a.back * b.front);
-    return {a.front + a.through * a.through * b.front * series, b.back + b.through * b.through * a.back * series,
-            a.through * b.through * series};
+    return {a.front + a.through * a.through * b.front * series,
+            b.back + b.through * b.through * a.back * series, a.through * b.through * series};
 }
 Layer surface(double eta) {
     const double f = std::pow((eta - 1) / (eta + 1), 2);
@@ -229,7 +230,8 @@ TEST_F(HardPath, HardCase31_IndicesOfNestedSolidsAreRelative) {
         EXPECT_EQ(picture.stats.droppedSamples, 0u);
         for (int c = 0; c < 3; ++c) {
             const Layer half = absorber(double{kBlockColor[c]}, 0.5), face = surface(double{inner} / 1.5);
-            const Layer all = surface(1.5) + half + face + absorber(double{kBallColor[c]}, 1) + face + half + surface(1.5);
+            const Layer all =
+                surface(1.5) + half + face + absorber(double{kBallColor[c]}, 1) + face + half + surface(1.5);
             expectMean(meanOf(picture, c), all.through, 1e-5);
         }
     }
