@@ -103,6 +103,7 @@ TEST_F(HardTransform, HardCase13_NegativeScale) {
     };
     const Mean right = mean(leaning(1), 1), mirrored = mean(leaning(-1), -1);
     EXPECT_GT(right.value, 0.1);
+    recordWorst("mirrored", std::abs(mirrored.value / right.value - 1));
     EXPECT_NEAR(mirrored.value, right.value, 0.005 * right.value);
 
     // Light leaves the side that the winding faces, in a mirrored instance too.
