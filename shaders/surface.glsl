@@ -185,6 +185,10 @@ Surface surfaceAt(Hit hit, Ray ray) {
 
     // Slivers and tiny triangles: scaling the edges keeps the cross product from underflowing.
     vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    // Within rounding of an edge a ray may be inside of the neighbour too, whose t is off by some roundings of its size
+    // and not of its coordinates: of two triangles in the plane y = 0 the bound above knows nothing.
+    if (min(b.x, min(b.y, b.z)) < 1e-6)
+        s.positionError += gammaBound(32.0) * maxComponent(max(abs(e1), abs(e2)));
     e1 /= max(maxComponent(abs(e1)), 1e-37);
     e2 /= max(maxComponent(abs(e2)), 1e-37);
     vec3 ng = normalize(cross(e1, e2));
