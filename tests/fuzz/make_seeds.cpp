@@ -156,6 +156,14 @@ void writeTextures(const fs::path& folder) {
     }
 }
 
+void writeRequests(const fs::path& folder) {
+    for (const std::string_view range :
+         {"bytes=0-9", "bytes=-5", "bytes=7-", "bytes=0-1,4-5", "lines=1-2", ""})
+        write(folder / ("range" + std::to_string(range.size())),
+              "100\n" + std::string(range) + "\n\"digest\"\n\n17\n");
+    write(folder / "known", "0\nbytes=0-0\n\n\"other\", \"digest\"\n-0.5\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -167,6 +175,7 @@ int main(int argc, char** argv) {
     writeForeignPictures(folder / "image");
     writeTextures(folder / "image");
     writeUploads(folder / "upload");
+    writeRequests(folder / "http");
     fs::create_directories(folder / "gltf");
     writeSceneSeeds(folder / "gltf");
     return 0;

@@ -16,8 +16,9 @@
 #     TILEFARM_FUZZ_BIN=$PWD/.fuzz TILEFARM_FUZZ_JOBS=4 tests/fuzz/run.sh 1800
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+{  # read to its end before it runs: it may be edited meanwhile
 
-all=(job gltf image upload)
+all=(job gltf image upload http)
 # No input may make a reader take more, of some 20 kB. The sanitizer's own tables and quarantine are within it.
 memory_mb=1024 allocation_mb=512
 largest_input=20000
@@ -125,3 +126,4 @@ for name in "${names[@]}"; do
     fi
 done
 exit $failed
+}

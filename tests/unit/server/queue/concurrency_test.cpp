@@ -46,9 +46,13 @@ bool isAnswer(ErrorCode code) {
     return code == ErrorCode::gone || code == ErrorCode::conflict || code == ErrorCode::notFound;
 }
 
-using MakeStore = std::unique_ptr<JobStore> (*)(const TemporaryFolder&);
+struct Backend {
+    const char* name;
+    std::unique_ptr<JobStore> (*make)(const TemporaryFolder&);
+    friend void PrintTo(const Backend& backend, std::ostream* out) { *out << backend.name; }
+};
 
-class ConcurrentQueue : public testing::TestWithParam<MakeStore> {
+class ConcurrentQueue : public testing::TestWithParam<Backend> {
 protected:
     void SetUp() override {
         for (const char* name : {"kept", "paused", "canceled"}) {
@@ -166,7 +170,7 @@ protected:
 
     TemporaryFolder folder;
     SharedClock clock;
-    std::unique_ptr<JobStore> store = GetParam()(folder);
+    std::unique_ptr<JobStore> store = GetParam().make(folder);
     Scheduler scheduler{*store, clock, smallLeases()};
     MemoryBlobStore blobs;
     FilmStore films{folder.path()};
@@ -228,14 +232,15 @@ TEST_P(ConcurrentQueue, MakesAJobOnceForManyRequestsOfAKey) {
     EXPECT_EQ(made.size(), 20u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Memory, ConcurrentQueue,
-                         testing::Values([](const TemporaryFolder&) -> std::unique_ptr<JobStore> {
-                             return std::make_unique<MemoryJobStore>();
-                         }));
-INSTANTIATE_TEST_SUITE_P(Sqlite, ConcurrentQueue,
-                         testing::Values([](const TemporaryFolder& folder) -> std::unique_ptr<JobStore> {
-                             return std::make_unique<SqliteJobStore>(folder / "tilefarm.sqlite");
-                         }));
+INSTANTIATE_TEST_SUITE_P(
+    Stores, ConcurrentQueue,
+    testing::Values(Backend{"Memory",
+                            [](const TemporaryFolder&) -> std::unique_ptr<JobStore> {
+                                return std::make_unique<MemoryJobStore>();
+                            }},
+                    Backend{"Sqlite", [](const TemporaryFolder& folder) -> std::unique_ptr<JobStore> {
+                                return std::make_unique<SqliteJobStore>(folder / "t.sqlite");
+                            }}));
 
 }  // namespace
 }  // namespace tilefarm
