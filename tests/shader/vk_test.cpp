@@ -189,6 +189,14 @@ TEST(VkDevices, AnIndexThatIsNotThereNamesTheDevices) {
     EXPECT_THAT(error.what(), HasSubstr(listDevices().front().name));
 }
 
+TEST(VkDevices, OldLavapipeIsKnownToBoundLoops) {
+    EXPECT_TRUE(boundsLoops("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"));
+    EXPECT_FALSE(boundsLoops("llvmpipe Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"));
+    EXPECT_FALSE(boundsLoops("radv Mesa 22.3.6 (LLVM 15.0.6)"));
+    EXPECT_FALSE(boundsLoops("NVIDIA 580.159.04"));
+    EXPECT_FALSE(boundsLoops("llvmpipe"));
+}
+
 TEST(VkDevices, ValidationMessagesMakeTheNextCallThrow) {
     Device device(defaultDevice(), {.validation = true});
     // A kernel that binds less than its code uses is legal to hand over and wrong.

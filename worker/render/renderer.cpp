@@ -123,9 +123,9 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
       wanted(samplingFeatures(how) | pathRuleFeatures(how) | kernel.calls | alsoCompiled),
       layout(layoutOf(alsoCompiled & kernel.shows)),
       camera(path),
-      tilesPerBatch(traces() ? 1
-                             : static_cast<uint32_t>(
-                                   std::clamp<uint64_t>(kFilmBytes / tileBytes(), 1, grid.count()))),
+      tilesPerBatch(
+          traces() ? 1
+                   : static_cast<uint32_t>(std::clamp<uint64_t>(kFilmBytes / tileBytes(), 1, grid.count()))),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
       filmBuffer(on, filmBytes(), "film"),
       counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
@@ -326,6 +326,8 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     for (const uint32_t tile : tiles) pixels += grid.rect(tile).area();
     uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
     if (raster) most = std::min(most, kSamplesPerDraw * pixels);
+    // One sample at a time leaves room for thousands of bounces; 256 of them lost light in some scenes.
+    if (device.info().boundedLoops) most = pixels;
     const auto step = static_cast<uint32_t>(std::clamp<uint64_t>(most / pixels, 1, samples.count));
     std::vector<PassFaults> faults(tiles.size());
     const auto moment = static_cast<uint32_t>(moments.size());

@@ -11,6 +11,10 @@
 
 namespace tilefarm::gpu {
 
+/// Whether lavapipe of this driver name and version bounds loops, "llvmpipe Mesa 22.3.6 (LLVM 15.0.6)" for
+/// one. False of other drivers.
+bool boundsLoops(const std::string& driver);
+
 /// One Vulkan device as `tilefarm-worker devices` lists it.
 struct DeviceInfo {
     uint32_t index = 0;  // in the list that listDevices gives
@@ -18,7 +22,10 @@ struct DeviceInfo {
     std::string driver;      // driver name and version
     std::string apiVersion;  // "1.3.278"
     bool cpu = false;        // a software device (lavapipe)
-    bool usable = false;     // has what the path tracer needs
+    /// The driver ends every loop of an invocation once all of them together made 65,535 rounds, whatever
+    /// they had left to do: lavapipe before Mesa 25 (seen with 22.3.6, not with 25.0.7).
+    bool boundedLoops = false;
+    bool usable = false;  // has what the path tracer needs
     std::string unusableWhy;
 };
 

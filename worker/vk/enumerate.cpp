@@ -66,6 +66,10 @@ std::string driverName(const vk::raii::PhysicalDevice& physical) {
     return fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
 }
 
+// Mesa bounds loops by LP_MAX_TGSI_LOOP_ITERATIONS; which version between 22.3 and 25.0 ceased to was not
+// looked up.
+constexpr int kFirstMesaWithLongLoops = 25;
+
 DeviceInfo describe(const vk::raii::PhysicalDevice& physical,
                     const vk::PhysicalDeviceProperties& properties) {
     DeviceInfo info;
@@ -78,6 +82,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical,
     info.usable = info.unusableWhy.empty();
     // Driver properties are core in 1.2 only.
     info.driver = properties.apiVersion >= VK_API_VERSION_1_2 ? driverName(physical) : "unknown";
+    info.boundedLoops = boundsLoops(info.driver);
     return info;
 }
 
@@ -109,6 +114,12 @@ std::string listed(const std::vector<Found>& found) {
 }
 
 }  // namespace
+
+bool boundsLoops(const std::string& driver) {
+    if (driver.find("llvmpipe") == std::string::npos) return false;
+    const size_t at = driver.find("Mesa ");
+    return at != std::string::npos && std::atoi(driver.c_str() + at + 5) < kFirstMesaWithLongLoops;
+}
 
 bool validationByEnvironment() {
     const char* value = std::getenv("TILEFARM_VALIDATION");
