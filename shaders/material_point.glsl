@@ -32,6 +32,19 @@ struct MaterialPoint {
     float subsurface, orenNayarSigma;
 };
 
+// KHR_materials_dispersion: the index for a colour channel; that of red and blue is half the spread less or more, within
+// what glTF allows an index to be. Its 0, which is no index, stays. worker/render/interface_packer.cpp has the same.
+float dispersedIor(float ior, float dispersion, uint channel) {
+    if (ior == 0.0 || channel == 1u) return ior;
+    return clamp(ior + (float(channel) - 1.0) * (ior - 1.0) * 0.025 * dispersion, 1.0, 1000.0);
+}
+
+// The same material in that channel: the albedo tables of red lie before those of green, those of blue after.
+void setChannel(inout MaterialPoint m, uint channel) {
+    m.ior = dispersedIor(m.ior, m.dispersion, channel);
+    if (m.albedoTable != NO_INDEX) m.albedoTable += (channel - 1u) * 3u;
+}
+
 void materialPointDefaults(inout MaterialPoint m) {
     m.specularColor = vec3(1);
     m.specular = 1.0;

@@ -63,9 +63,26 @@ struct BsdfSample {
     ((featureBit(FEATURE_DIFFUSE_TRANSMISSION) | (featureBit(FEATURE_SPECULAR) & featureBit(FEATURE_ENERGY_COMPENSATION) & \
                                                   featureBit(FEATURE_TRANSMISSION))) != 0u)
 
-// The interface's albedos (Ed, E1) for a direction.
-vec2 albedosAt(Bsdf b, float cosTheta) {
-    return b.albedoTable == NO_INDEX ? vec2(0) : albedoPair(b.albedoTable, cosTheta, b.alpha, needsBothAlbedos());
+// The interface's albedos (Ed, E1) for a direction. Of stretched facets, whose albedo varies around the normal, bounds:
+// what stretchedAlpha leaves out at grazing angles is added where an albedo is neither 0 nor 1.
+vec2 albedosAt(Bsdf b, vec3 w) {
+    if (b.albedoTable == NO_INDEX) return vec2(0);
+    float stretch = has(FEATURE_ANISOTROPY) && !b.mirror ? stretchOf(b.facets) : 0.0;
+    if (!has(FEATURE_ANISOTROPY) || stretch == 0.0) return albedoPair(b.albedoTable, abs(w.z), b.alpha, needsBothAlbedos());
+    vec2 e = albedoPair(b.albedoTable, abs(w.z), stretchedAlpha(b.facets, w), needsBothAlbedos());
+    return vec2(e.x + 0.3 * stretch * e.x * e.x * (1.0 - e.x), mix(e.y, 1.0, 0.4 * stretch));
+}
+
+// What of the light from w the interface keeps from the diffuse base, as 1 − that.
+float throughAt(Bsdf b, vec3 w, vec2 albedos) {
+    float through = couplingAt(b.compensation.coupling, albedos);
+    // These curves have no table: at grazing angles they may reflect more than the bound that the tables give.
+    if (hasFilm(b.face) || isSteep(b.face)) {
+        float most = maxComponent(outerReflectance(b.face, abs(w.z)));
+        if (isSteep(b.face)) most = max(most, maxComponent(outerReflectance(b.face, 1.0)));
+        through = min(through, 1.0 - mix(b.compensation.again, most, albedos.y));
+    }
+    return clamp(through, 0.0, 1.0);
 }
 
 // What the facets give, judged by a smooth surface. One of black specular colour or under a film may reflect
@@ -124,12 +141,19 @@ bool isMirror(Facets facets, Interface face) {
 void setInterface(inout Bsdf b, vec3 wo, bool frontFace) {
     b.compensation.multiple.present = false;
     if (!has(FEATURE_SPECULAR) || b.albedoTable == NO_INDEX) return;
-    vec2 albedos = albedosAt(b, wo.z), averages = averageAlbedoPair(b.albedoTable, b.alpha);
+    vec2 albedos = albedosAt(b, wo);
+    float average = b.alpha;
+    if (has(FEATURE_ANISOTROPY) && !b.mirror) average *= 1.0 - 0.5 * stretchOf(b.facets);  // as stretchedAlpha
+    vec2 averages = averageAlbedoPair(b.albedoTable, average);
     // The tables know one α: with two of them compensation would give up to 7 % too much along the grooves.
     bool uncompensated = b.mirror || isStretched(b.facets);
     b.compensation = compensationAt(b.face, b.albedoTable, frontFace, uncompensated, b.alpha, wo.z, albedos, averages);
-    vec3 coupling = b.compensation.coupling;
-    float through = max(couplingAt(coupling, albedos), 0.0) / max(couplingAt(coupling, averages), 1e-4);
+    float throughAverage = couplingAt(b.compensation.coupling, averages);
+    // Not less than where all is reflected, whatever the bounds of films and strong colours say.
+    if (has(FEATURE_SPECULAR_COLOR) && b.face.tinted || hasFilm(b.face))
+        throughAverage = max(throughAverage, (1.0 - averages.y) * (1.0 - b.compensation.again));
+    // Below a twentieth the tables' error is most of it: the base then gets less than its share of next to nothing.
+    float through = throughAt(b, wo, albedos) / max(throughAverage, 0.05);
     b.diffuse.front *= through;
     if (has(FEATURE_DIFFUSE_TRANSMISSION)) b.diffuse.back *= through;
 }
@@ -138,10 +162,10 @@ Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
     Bsdf b;
     b.face = interfaceAt(m, frontFace);
     b.facets = facetsAt(m);
-    b.alpha = meanAlpha(b.facets);
     b.albedoTable = m.albedoTable;
     b.diffuse = diffuseBaseAt(m);
     b.mirror = isMirror(b.facets, b.face);
+    b.alpha = b.mirror ? 0.0 : meanAlpha(b.facets);  // the tables know a mirror by it
     b.belowCoat = 1.0;
     if (has(FEATURE_CLEARCOAT)) {
         b.coat = coatAt(m, wo);
@@ -161,15 +185,20 @@ vec3 mirrored(vec3 w) { return vec3(w.xy, -w.z); }
 
 // Rough reflection and transmission; adds to pdf what the facets' lobe has there.
 vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
+    float cosTheta;
     if (wi.z > 0.0) {
-        vec3 h = normalize(wo + wi);
-        float cosTheta = dot(wo, h);
+        vec3 h = reflectionHalfVector(wo, wi, cosTheta);
         pdf += b.facetChance * reflectChance(b.face, cosTheta) * reflectionPdf(b.facets, h, wo, wi);
         return reflectance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, wi);
     }
     if (!transmits(b.face)) return vec3(0);
-    vec3 h = b.face.thin ? normalize(wo + mirrored(wi)) : refractionHalfVector(wo, wi, b.face.eta);
-    float cosTheta = dot(wo, h);
+    vec3 h;
+    if (b.face.thin) {
+        h = reflectionHalfVector(wo, mirrored(wi), cosTheta);
+    } else {
+        h = refractionHalfVector(wo, wi, b.face.eta);
+        cosTheta = dot(wo, h);
+    }
     float chance = b.facetChance * (1.0 - reflectChance(b.face, cosTheta));
     vec3 colour = b.face.baseColor * transmittance(b.face, cosTheta);
     if (b.face.thin) {
@@ -183,7 +212,7 @@ vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
 // The lobes that cosine lobes sample, on either side; `diffuse`: what the diffuse base has in it.
 vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf, out vec3 diffuse) {
     vec3 f = vec3(0);
-    vec2 albedos = has(FEATURE_SPECULAR) ? albedosAt(b, abs(wi.z)) : vec2(0);
+    vec2 albedos = has(FEATURE_SPECULAR) ? albedosAt(b, wi) : vec2(0);
     bool lit = true;
     if (wi.z > 0.0) {
         f = diffuseFrontEval(b.diffuse, wo, wi);
@@ -195,7 +224,7 @@ vec3 broadEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf, out vec3 diffuse) {
         lit = false;
     }
     if (has(FEATURE_SPECULAR) && lit && b.albedoTable != NO_INDEX) {
-        f *= max(couplingAt(b.compensation.coupling, albedos), 0.0);
+        f *= throughAt(b, wi, albedos);
         diffuse = f;
         if (hasMultiple() && b.compensation.multiple.present)
             f += multipleEval(b.compensation.multiple, b.face, b.alpha, wi, albedos);
@@ -259,7 +288,7 @@ bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
     if (!(cosTheta > 0.0)) return false;
     float chance = reflectChance(b.face, cosTheta);
     // The chances' rounding must not choose what cannot be.
-    bool reflects = pick < chance * b.facetChance || chance >= 1.0;
+    bool reflects = chance > 0.0 && pick < chance * b.facetChance || chance >= 1.0;
     bool passes = sampleFacet(b, wo, h, reflects, s.wi);
     s.blocked = !passes && isDirection(s.wi);
     if (!passes) return false;
@@ -293,6 +322,8 @@ bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
         } else if (hasBack() && (!has(FEATURE_SPECULAR) || pick < cosine + back)) {
             s.wi = mirrored(cosineHemisphere(u.yz));
         } else if (has(FEATURE_SPECULAR)) {
+            // Chances may sum to a little less than 1: what is left over is none of facets that have none.
+            if (!(b.facetChance > 0.0)) return false;
             if (!sampleFacets(b, wo, pick - cosine - back, u.yz, s)) return false;
             if (s.delta) return true;
         }

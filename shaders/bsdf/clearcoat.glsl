@@ -18,6 +18,9 @@ struct Coat {
     mat3 frame;    // axes of the coat in the shading frame of the base
 };
 
+// A delta lobe: coatEval is then not asked, and coatSample gives the mirror direction.
+bool coatIsMirror(Coat c) { return !c.gtr1 && c.alpha < ALPHA_DELTA; }
+
 Coat coatAt(MaterialPoint m, vec3 wo) {
     Coat c;
     c.weight = m.clearcoat;
@@ -25,15 +28,14 @@ Coat coatAt(MaterialPoint m, vec3 wo) {
     c.alpha = c.gtr1 ? gtr1Alpha(m.clearcoatAlpha) : m.clearcoatAlpha;
     c.frame = frameAround(m.clearcoatNormal);
     c.albedo = 0.0;
-    if (c.weight > 0.0) c.albedo = reflectionAlbedo(m.coatTable, dot(wo, m.clearcoatNormal), c.alpha);
+    // The table knows a mirror by an α of 0: at grazing angles those between have quite other albedos.
+    float alpha = coatIsMirror(c) ? 0.0 : c.alpha;
+    if (c.weight > 0.0) c.albedo = reflectionAlbedo(m.coatTable, dot(wo, m.clearcoatNormal), alpha);
     return c;
 }
 
 // Share of light from wo that the coat keeps from what lies below.
 float coatAlbedo(Coat c, vec3 wo) { return c.weight * c.albedo; }
-
-// A delta lobe: coatEval is then not asked, and coatSample gives the mirror direction.
-bool coatIsMirror(Coat c) { return !c.gtr1 && c.alpha < ALPHA_DELTA; }
 
 // Light that the base's shading normal puts below the surface has no way in.
 bool coatReflects(vec3 o, vec3 i, vec3 wi) { return o.z > 0.0 && i.z > 0.0 && wi.z > 0.0; }
@@ -42,8 +44,9 @@ bool coatReflects(vec3 o, vec3 i, vec3 wi) { return o.z > 0.0 && i.z > 0.0 && wi
 vec3 coatEval(Coat c, vec3 wo, vec3 wi) {
     vec3 o = wo * c.frame, i = wi * c.frame;
     if (!coatReflects(o, i, wi)) return vec3(0);
-    vec3 h = normalize(o + i);
-    float f = c.weight * fresnelDielectric(dot(o, h), kCoatIor) * i.z;
+    float cosine;
+    vec3 h = reflectionHalfVector(o, i, cosine);
+    float f = c.weight * fresnelDielectric(cosine, kCoatIor) * i.z;
     if (c.gtr1) return vec3(f * gtr1D(h, c.alpha) * gtr1Visibility(o, i));
     return vec3(f * ggxD(h, c.alpha) * ggxVisibility(o, i, c.alpha));
 }
@@ -52,10 +55,11 @@ vec3 coatEval(Coat c, vec3 wo, vec3 wi) {
 float coatPdf(Coat c, vec3 wo, vec3 wi) {
     vec3 o = wo * c.frame, i = wi * c.frame;
     if (!coatReflects(o, i, wi)) return 0.0;
-    vec3 h = normalize(o + i);
-    float cosine = dot(o, h);
-    if (!(cosine > 0.0)) return 0.0;
-    return (c.gtr1 ? gtr1D(h, c.alpha) * h.z : ggxVisiblePdf(o, h, c.alpha)) / (4.0 * cosine);
+    float cosine;
+    vec3 h = reflectionHalfVector(o, i, cosine);
+    if (c.gtr1) return gtr1D(h, c.alpha) * h.z / (4.0 * cosine);
+    // ggxVisiblePdf over 4 o · h, whose cosines leave no rounding behind this way.
+    return ggxD(h, c.alpha) / (2.0 * (o.z + ggxStretch(o, c.alpha)));
 }
 
 // False where no light goes. `colour`: for a mirror, its reflectance with the weight.

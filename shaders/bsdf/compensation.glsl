@@ -30,6 +30,7 @@ struct MultipleScattering {
 
 struct Compensation {
     vec3 coupling;  // g(μ) = x + y E1(μ) + z Ed(μ)
+    float again;    // Fms of the dielectric's strongest channel
     MultipleScattering multiple;
 };
 
@@ -46,9 +47,11 @@ float couplingAt(vec3 coupling, vec2 albedos) {
 
 vec3 multipleBounces(vec3 f, float e) { return f * f * e / (1.0 - f * (1.0 - e)); }
 
-// x: what solid glass misses, of the table pair (E of reflection and transmission, E where all is refracted).
+// x: what solid glass misses, of the table pair (E of reflection and transmission, E where all is refracted). Films and
+// steep curves have no table: they miss at least what those that reflect all or nothing both do.
 float glassMissing(Interface f, vec2 glass, float e1) {
     if (!(has(FEATURE_SPECULAR_COLOR) && f.tinted) && !hasFilm(f)) return 1.0 - glass.x;
+    if (isSteep(f) || hasFilm(f)) return 1.0 - max(glass.y, e1);
     vec2 scale = dielectricScale(f);
     return max(1.0 - mix(glass.y, e1, scale.x) - scale.y * (glass.x - e1), 0.0);
 }
@@ -60,6 +63,7 @@ Compensation compensationAt(Interface f, uint table, bool frontFace, bool mirror
     Compensation c;
     c.multiple.present = false;
     c.coupling = vec3(1, 0, -1);
+    c.again = 0.0;
     if (has(FEATURE_SPECULAR_COLOR) && f.tinted || hasFilm(f)) {
         vec2 scale = dielectricScale(f);
         c.coupling = vec3(1.0, scale.y - scale.x, -scale.y);
@@ -75,7 +79,8 @@ Compensation compensationAt(Interface f, uint table, bool frontFace, bool mirror
     vec3 average = dielectricAverage(f);
     float strongest = maxComponent(average);
     vec3 dielectric = multipleBounces(average, averages.y);
-    c.coupling += multipleBounces(vec3(strongest), averages.y).x * vec3(-1, 1, 0);
+    c.again = multipleBounces(vec3(strongest), averages.y).x;
+    c.coupling += c.again * vec3(-1, 1, 0);
     float glass = has(FEATURE_TRANSMISSION) ? f.transmission : 0.0;
     m.frontAlbedo = mix((1.0 - glass) * dielectric, multipleBounces(metalAverage(f), averages.y), f.metallic) * x;
     glass *= 1.0 - f.metallic;

@@ -107,6 +107,13 @@ vec3 metalReflectance(Interface f, float cosTheta) {
     return mix(bare, filmReflectance(cosTheta, f.filmIor, f.filmThickness, bareMetal(f, 1.0)), f.film);
 }
 
+// A dark specular colour on a high index (from about 2.6 on): the curve falls to 0 over most angles and is cut off there,
+// and κ magnifies the digits of the albedo tables, so that what is linear in them is no bound.
+bool isSteep(Interface f) { return has(FEATURE_SPECULAR_COLOR) && f.tinted && maxComponent(f.kappa) > 1.25; }
+
+// From outside, whichever side it is seen from.
+vec3 outerReflectance(Interface f, float cosTheta) { return dielectricReflectance(f, cosTheta, f.eta < 1.0 ? 1.0 / f.eta : f.eta); }
+
 // The dielectric as the diffuse base meets it, a bound on the strongest channel linear in the albedo tables:
 // E = x · E1 − y · (E1 − Ed). A film counts with what it reflects at its brightest thickness, and 3 % more,
 // as much as Schlick's curve in the film is above the exact one in the tables towards grazing angles.

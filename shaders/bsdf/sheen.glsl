@@ -37,9 +37,14 @@ float charlieD(float cosThetaH, float alpha) {
     return (2.0 + 1.0 / alpha) * exp(logSinSquared(cosThetaH) * 0.5 / alpha) * (0.5 * INV_PI);
 }
 
-// Directional albedo before the division, from the table of worker/render/layer_tables.cpp, whose rows go by
-// the root of the roughness.
-float charlieAlbedo(uint table, float cosTheta, float roughness) { return reflectionAlbedo(table, cosTheta, roughness); }
+const float kLeastSheenRoughness = 0.0316228;
+
+// Directional albedo before the division. The table of worker/render/layer_tables.cpp has it times the roughness, of
+// which it is nearly a constant at grazing angles, in rows whose roughness is that of `tableAlpha`'s root.
+float charlieAlbedo(uint table, float cosTheta, float roughness) {
+    float tableAlpha = (roughness - kLeastSheenRoughness) / (1.0 - kLeastSheenRoughness);
+    return reflectionAlbedo(table, cosTheta, tableAlpha) / roughness;
+}
 
 // BSDF times cosine, 1/sr, of white; both directions above the surface.
 float charlieEval(uint table, float roughness, vec3 wo, vec3 wi) {
@@ -62,7 +67,7 @@ struct Sheen {
 Sheen sheenAt(MaterialPoint m, vec3 wo) {
     Sheen s;
     s.color = has(FEATURE_SHEEN) ? m.sheenColor : vec3(0);
-    s.roughness = clamp(m.sheenRoughness, 0.0316228, 1.0);
+    s.roughness = clamp(m.sheenRoughness, kLeastSheenRoughness, 1.0);
     s.table = m.sheenTable;
     s.disney = vec3(0);
     if (has(FEATURE_DISNEY_SHEEN) && m.disneySheen > 0.0)

@@ -25,8 +25,7 @@ uvec4 withoutMedium(uvec4 stack, uint material) {
 float solidIor(uint material, uint channel) {
     float ior = materialTexel(material, 2u).w;
     if (ior == 0.0) return 1.5;  // KHR_materials_specular's mirror; what is refracted takes this (bsdf/interface.glsl)
-    if (has(FEATURE_DISPERSION) && channel < 3u)
-        ior += (float(channel) - 1.0) * (ior - 1.0) * 0.025 * materialTexel(material, 3u).w;
+    if (has(FEATURE_DISPERSION) && channel < 3u) return dispersedIor(ior, materialTexel(material, 3u).w, channel);
     return ior;
 }
 

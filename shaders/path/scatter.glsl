@@ -76,8 +76,7 @@ void regularise(inout MaterialPoint m, float least) {
     m.clearcoatAlpha = max(m.clearcoatAlpha, least);
 }
 
-// KHR_materials_dispersion: red and blue see an index of refraction that is half the spread less or more. From its
-// first dispersive surface on a path follows one channel, chosen uniformly and weighted up.
+// From its first dispersive surface on a path follows one channel, chosen uniformly and weighted up.
 void disperse(inout PathState path, inout MaterialPoint m, SampleKey key) {
     if (path.channel == 3u) {
         path.channel = min(uint(3.0 * unitFloat(randomBits(key, DIMENSION_CHANNEL).x)), 2u);
@@ -85,7 +84,7 @@ void disperse(inout PathState path, inout MaterialPoint m, SampleKey key) {
         kept[path.channel] = 3.0;
         path.throughput *= kept;
     }
-    m.ior += (float(path.channel) - 1.0) * (m.ior - 1.0) * 0.025 * m.dispersion;
+    setChannel(m, path.channel);
 }
 
 #endif

@@ -11,7 +11,7 @@
 #include "bsdf/bsdf.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant) uniform Block { uint count; };
+layout(push_constant) uniform Block { uint count, batches; };
 layout(std430, binding = BINDING_TILES) readonly buffer Queries { BsdfQuery queries[]; };
 layout(std430, binding = BINDING_FILM) writeonly buffer Answers { BsdfAnswer answers[]; };
 
@@ -52,12 +52,68 @@ MaterialPoint materialOf(vec4 p[PROBE_MATERIAL_TEXELS]) {
     return m;
 }
 
-BsdfAnswer answer(BsdfQuery q) {
-    Bsdf bsdf = bsdfAt(materialOf(q.material), q.wo.xyz, q.material[2].w != 0.0);
-    if (q.other.w != 0.0) {
+// Points of a lattice of three dimensions (Roberts 2018: powers of the root of x⁴ = x + 1) from a random start.
+vec3 latticePoint(uint i, uvec4 start) {
+    uvec3 bits = start.xyz + i * uvec3(3518319155u, 2882110345u, 2360945575u);
+    return vec3(unitFloat(bits.x), unitFloat(bits.yz));
+}
+
+// The share of light that goes from wi to wo: radiance is compressed by 1/eta² where it refracts, but not in what passes
+// the diffuse base.
+vec3 energyOf(Bsdf bsdf, BsdfSample s, vec3 diffuse) {
+    float compressed = s.wi.z < 0.0 && !bsdf.face.thin ? bsdf.face.eta * bsdf.face.eta : 1.0;
+    return s.delta ? s.weight * compressed : diffuse / s.pdf + (s.weight - diffuse / s.pdf) * compressed;
+}
+
+bool isSound(BsdfSample s, vec3 energy) {
+    bool pdf = s.delta || s.pdf > 0.0 && s.pdf < INFINITY;
+    return pdf && isFinite(energy) && isFinite(s.wi) && all(greaterThanEqual(s.weight, vec3(0)));
+}
+
+// Mean energy of samples with dispersion's channels one after another, as path/scatter.glsl has them.
+BsdfAnswer furnace(BsdfQuery q, MaterialPoint m, uint batch) {
+    uint count = uint(q.other.x);
+    uvec4 start = pcg4d(uvec4(uint(q.other.y), batch, 0x66757260u, 0u));
+    uint channels = m.dispersion > 0.0 ? 3u : 1u;
+    vec3 sum = vec3(0);
+    float unsound = 0.0, found = 0.0;
+    for (uint channel = 0u; channel < channels; channel++) {
+        MaterialPoint seenBy = m;
+        if (channels == 3u) setChannel(seenBy, channel);
+        Bsdf bsdf = bsdfAt(seenBy, q.wo.xyz, q.material[2].w != 0.0);
+        vec3 seen = vec3(0);
+        for (uint i = 0u; i < count; i++) {
+            BsdfSample s;
+            if (!bsdfSample(bsdf, q.wo.xyz, latticePoint(i, start), s)) continue;
+            float pdf;
+            vec3 diffuse = vec3(0);
+            if (!s.delta) bsdfEvalParts(bsdf, q.wo.xyz, s.wi, pdf, diffuse);
+            vec3 energy = energyOf(bsdf, s, diffuse);
+            if (isSound(s, energy)) {
+                seen += energy;
+            } else {
+                unsound += 1.0;
+            }
+            found += 1.0;
+        }
+        if (channels == 1u) {
+            sum = seen;
+        } else {
+            sum[channel] = seen[channel];
+        }
+    }
+    return BsdfAnswer(vec4(sum / float(count), unsound), vec4(found / float(count * channels)));
+}
+
+BsdfAnswer answer(BsdfQuery q, uint batch) {
+    MaterialPoint m = materialOf(q.material);
+    if (q.other.w == PROBE_FURNACE) return furnace(q, m, batch);
+    Bsdf bsdf = bsdfAt(m, q.wo.xyz, q.material[2].w != 0.0);
+    if (q.other.w != PROBE_DRAW) {
         float pdf;
-        vec3 f = bsdfEval(bsdf, q.wo.xyz, q.other.xyz, pdf);
-        return BsdfAnswer(vec4(q.other.xyz, pdf), vec4(f, 1));
+        vec3 diffuse;
+        vec3 f = bsdfEvalParts(bsdf, q.wo.xyz, q.other.xyz, pdf, diffuse);
+        return BsdfAnswer(vec4(q.other.w == PROBE_PARTS ? diffuse : q.other.xyz, pdf), vec4(f, 1));
     }
     BsdfSample s;
     if (!bsdfSample(bsdf, q.wo.xyz, q.other.xyz, s)) return BsdfAnswer(vec4(0), vec4(0));
@@ -65,6 +121,6 @@ BsdfAnswer answer(BsdfQuery q) {
 }
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
-    if (i < count) answers[i] = answer(queries[i]);
+    uint i = gl_WorkGroupID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
+    if (i < count * batches) answers[i] = answer(queries[i / batches], i % batches);
 }

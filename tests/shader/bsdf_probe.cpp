@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "bsdf_probe.comp.h"
 #include "shaders/gpu_types.h"
@@ -47,11 +49,19 @@ std::vector<gpu::TexelBuffer> makeTexels(const gpu::Device& device, const std::v
 }  // namespace
 
 BsdfQuery drawQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& u) {
-    return query(material, wo, u, 0);
+    return query(material, wo, u, PROBE_DRAW);
 }
 
 BsdfQuery evalQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi) {
-    return query(material, wo, wi, 1);
+    return query(material, wo, wi, PROBE_EVAL);
+}
+
+BsdfQuery partsQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi) {
+    return query(material, wo, wi, PROBE_PARTS);
+}
+
+BsdfQuery furnaceQuery(const ProbeMaterial& material, const glm::vec3& wo, uint32_t samples, uint32_t start) {
+    return query(material, wo, {samples, start & 0xffffffu, 0}, PROBE_FURNACE);
 }
 
 BsdfProbe::BsdfProbe(const gpu::Device& device, uint64_t features)
@@ -63,7 +73,7 @@ gpu::ComputePipeline BsdfProbe::makePipeline(const gpu::Device& device, uint64_t
     spec.bindings.assign(gpu::BINDING_COUNTERS + 1, gpu::BindingKind::storage);
     std::fill_n(spec.bindings.begin(), gpu::BINDING_PARAMETERS, gpu::BindingKind::texels);
     spec.constants = {static_cast<uint32_t>(features), 1, 64, static_cast<uint32_t>(features >> 32)};
-    spec.pushConstantBytes = sizeof(uint32_t);
+    spec.pushConstantBytes = 2 * sizeof(uint32_t);
     spec.name = "bsdf_probe";
     return {device, spec};
 }
@@ -83,11 +93,16 @@ void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
     for (BsdfQuery& q : queries) {
         ProbeMaterial material;
         std::memcpy(static_cast<void*>(&material), q.material, sizeof material);
-        if (material.ior != 1 || material.metallic != 0 || material.transmission != 0) {
-            const auto [at, isNew] = tableOfInterface_.try_emplace(
-                kindOf(material), static_cast<float>(tables_.size() / kTableTexels));
+        if (material.ior != 1 || material.metallic != 0 || material.transmission != 0 ||
+            material.iridescence != 0) {
+            const InterfaceKind kind = kindOf(material);
+            const float dispersion = kind.solid ? material.dispersion : 0;
+            const auto [at, isNew] = tableOfInterface_.try_emplace({kind, dispersion}, 0.0f);
             if (isNew) {
-                const auto& tables = interfaceTables(at->first);
+                const auto tables =
+                    dispersion > 0 ? dispersedTables(kind, dispersion) : interfaceTables(kind);
+                at->second = static_cast<float>(tables_.size() / kTableTexels +
+                                                (dispersion > 0 ? kDispersedTablesBeforeNamed : 0));
                 tables_.insert(tables_.end(), tables.begin(), tables.end());
             }
             material.albedoTable = at->second;
@@ -102,20 +117,24 @@ void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
     if (tables_.size() != before) texels_ = makeTexels(device_, tables_);
 }
 
-std::vector<BsdfAnswer> BsdfProbe::ask(std::vector<BsdfQuery> queries) {
+std::vector<BsdfAnswer> BsdfProbe::ask(std::vector<BsdfQuery> queries, uint32_t batches) {
+    if (queries.empty()) return {};
     setTables(queries);
     const auto count = static_cast<uint32_t>(queries.size());
+    const uint32_t answerCount = count * batches, groups = (answerCount + 63) / 64;
     gpu::StorageBuffer unused(device_, 16, "unused"), in(device_, sizeof(BsdfQuery) * count, "queries"),
-        out(device_, sizeof(BsdfAnswer) * count, "answers");
+        out(device_, sizeof(BsdfAnswer) * answerCount, "answers");
     in.upload(gpu::bytesOf(queries));
     std::vector<gpu::Binding> bindings(texels_.begin(), texels_.end());
     bindings.insert(bindings.end(), {unused, in, out, unused});
+    const uint32_t push[]{count, batches};
+    const uint32_t wide = std::min(groups, 32768u);
     gpu::CommandRun run(device_);
-    run.dispatch(pipeline_, bindings, gpu::bytesOfValue(count), (count + 63) / 64);
+    run.dispatch(pipeline_, bindings, std::as_bytes(std::span(push)), wide, (groups + wide - 1) / wide);
     const size_t index = run.read(out);
     gpu::Submission submission = run.submit();
-    std::vector<BsdfAnswer> answers(count);
-    std::memcpy(answers.data(), submission.bytes(index).data(), sizeof(BsdfAnswer) * count);
+    std::vector<BsdfAnswer> answers(answerCount);
+    std::memcpy(answers.data(), submission.bytes(index).data(), sizeof(BsdfAnswer) * answerCount);
     return answers;
 }
 

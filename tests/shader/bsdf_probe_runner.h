@@ -43,12 +43,18 @@ static_assert(sizeof(ProbeMaterial) == 16 * PROBE_MATERIAL_TEXELS);
 BsdfQuery drawQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& u);
 /// A query that evaluates towards wi.
 BsdfQuery evalQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi);
+/// The same; the answer's wi.xyz is what of the BSDF passes or leaves the diffuse base.
+BsdfQuery partsQuery(const ProbeMaterial& material, const glm::vec3& wo, const glm::vec3& wi);
+/// A query that draws that many wi from a point of a random lattice that `start` and the batch choose: mean
+/// energy that comes out for a unit of it that comes in, by channel (PROBE_FURNACE).
+BsdfQuery furnaceQuery(const ProbeMaterial& material, const glm::vec3& wo, uint32_t samples, uint32_t start);
 
 /// Runs the BSDF code of the shaders, compiled for the given FEATURE_* mask, on lists of queries.
 class BsdfProbe {
 public:
     BsdfProbe(const gpu::Device& device, uint64_t features);
-    std::vector<BsdfAnswer> ask(std::vector<BsdfQuery> queries);
+    /// Answers of a query's batches, which differ in the random start of a furnace, follow each other.
+    std::vector<BsdfAnswer> ask(std::vector<BsdfQuery> queries, uint32_t batches = 1);
 
 private:
     static gpu::ComputePipeline makePipeline(const gpu::Device& device, uint64_t features);
@@ -57,7 +63,7 @@ private:
 
     const gpu::Device& device_;
     gpu::ComputePipeline pipeline_;
-    std::map<InterfaceKind, float> tableOfInterface_;
+    std::map<std::pair<InterfaceKind, float>, float> tableOfInterface_;  // by dispersion, too
     std::map<float, float> tableOf_;  // those of layers: by index of refraction
     std::vector<glm::vec4> tables_;
     std::vector<gpu::TexelBuffer> texels_;

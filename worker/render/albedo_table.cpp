@@ -39,13 +39,13 @@ double averageOf(const Row& row) {
     return sum / kSteps;
 }
 
-double cosineOf(size_t column) {
-    const double root = static_cast<double>(column) / (kSize - 1);
+double cosineOf(double column) {
+    const double root = column / (kSize - 1);
     return root * root;
 }
 
-double roughnessOf(size_t row) {
-    return static_cast<double>(row) / (kSize - 1);
+double roughnessOf(double row) {
+    return row / (kSize - 1);
 }
 
 /// A texel: the values at (x, y) and its neighbours, through `value(y, x)`; then the averages.
@@ -102,16 +102,58 @@ void addRefracted(InterfaceAlbedos& sum, const InterfaceKind& kind, const HostFa
     }
 }
 
-std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
-    std::vector<Grid> grids(6);
+// Where cosθ meets α, near the corner of grazing angles on smooth surfaces, an albedo bends by more than the
+// tables' lines between their points show: by 0.01 to 0.1. There the points are raised until the lines are
+// nowhere below, so that shaders keep too much from what lies beneath, never too little.
+constexpr double kFirstCell[]{1e-6, 1e-5, 5e-5, 2e-4, 5e-4};
+constexpr size_t kBentColumns = 8, kBentRows = 5;
+constexpr glm::dvec2 kWithin[]{{0.5, 0.5}, {0, 0.5}, {0.5, 0}};
+
+// A share of light stays at 1 or below; what is above already is none (sheen).
+void raiseTo(double& point, double wanted) {
+    point = std::max(point, point > 1 ? wanted : std::min(wanted, 1.0));
+}
+
+// Adds to the corners of a cell what its interpolant lacks at a fraction `at` of it.
+void raise(Grid& grid, size_t y, size_t x, const glm::dvec2& at, double albedo) {
+    double* corners[]{&grid.rows[y][x], &grid.rows[y][x + 1], &grid.rows[y + 1][x], &grid.rows[y + 1][x + 1]};
+    const double shown =
+        glm::mix(glm::mix(*corners[0], *corners[1], at.x), glm::mix(*corners[2], *corners[3], at.x), at.y);
+    for (double* corner : corners) raiseTo(*corner, *corner + albedo - shown);
+}
+
+template <size_t n>
+std::array<Grid, n> tabulated(
+    const std::function<std::array<double, n>(double cosTheta, double roughness)>& albedos) {
+    std::array<Grid, n> grids;
+    const auto each = [&](double cosTheta, double roughness, const auto& take) {
+        const auto values = albedos(cosTheta, roughness);
+        for (size_t i = 0; i < n; ++i) take(grids[i], values[i]);
+    };
     for (size_t y = 0; y < kSize; ++y) {
-        for (size_t x = 0; x < kSize; ++x) {
-            const InterfaceAlbedos e = interfaceAlbedos(cosineOf(x), roughnessOf(y) * roughnessOf(y), kind);
-            const double values[]{e.reflected, e.all, e.both[0], e.clear[0], e.both[1], e.clear[1]};
-            for (size_t i = 0; i < grids.size(); ++i) grids[i].rows[y][x] = values[i];
-        }
-        for (Grid& grid : grids) grid.averages[y] = averageOf(grid.rows[y]);
+        for (size_t x = 0; x < kSize; ++x)
+            each(cosineOf(double(x)), roughnessOf(double(y)), [&](Grid& g, double e) { g.rows[y][x] = e; });
+        for (const double cosTheta : kFirstCell)
+            each(cosTheta, roughnessOf(double(y)), [&](Grid& g, double e) {
+                const double share = std::sqrt(cosTheta) * (kSize - 1);
+                raiseTo(g.rows[y][0], (e - share * g.rows[y][1]) / (1 - share));
+            });
     }
+    for (size_t y = 0; y < kBentRows; ++y)
+        for (size_t x = 0; x < kBentColumns; ++x)
+            for (const glm::dvec2& at : kWithin)
+                each(cosineOf(double(x) + at.x), roughnessOf(double(y) + at.y),
+                     [&](Grid& g, double e) { raise(g, y, x, at, e); });
+    for (Grid& grid : grids)
+        for (size_t y = 0; y < kSize; ++y) grid.averages[y] = averageOf(grid.rows[y]);
+    return grids;
+}
+
+std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
+    const auto grids = tabulated<6>([&](double cosTheta, double roughness) {
+        const InterfaceAlbedos e = interfaceAlbedos(cosTheta, roughness * roughness, kind);
+        return std::array{e.reflected, e.all, e.both[0], e.clear[0], e.both[1], e.clear[1]};
+    });
     std::vector<glm::vec4> tables;
     appendPairs(tables, grids[0], grids[1]);
     if (kind.solid) {
@@ -154,11 +196,8 @@ double reflectionAlbedo(double cosTheta, double alpha, double ior) {
 }
 
 std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo) {
-    Grid grid;
-    for (size_t y = 0; y < kSize; ++y) {
-        for (size_t x = 0; x < kSize; ++x) grid.rows[y][x] = albedo(cosineOf(x), roughnessOf(y));
-        grid.averages[y] = averageOf(grid.rows[y]);
-    }
+    const Grid grid = tabulated<1>(
+        [&](double cosTheta, double roughness) { return std::array{albedo(cosTheta, roughness)}; })[0];
     return texelsOf([&](size_t y, size_t x) { return static_cast<float>(grid.rows[y][x]); },
                     [&](size_t x) { return static_cast<float>(grid.averages[x]); });
 }
@@ -176,6 +215,22 @@ const std::vector<glm::vec4>& interfaceTables(const InterfaceKind& kind) {
     std::vector<glm::vec4>& tables = known[kind];
     if (tables.empty()) tables = buildInterfaceTables(kind);
     return tables;
+}
+
+float dispersedIor(float ior, float dispersion, uint32_t channel) {
+    if (ior == 0 || channel == 1) return ior;
+    return std::clamp(ior + (float(channel) - 1) * (ior - 1) * 0.025f * dispersion, 1.0f, 1000.0f);
+}
+
+std::vector<glm::vec4> dispersedTables(const InterfaceKind& solid, float dispersion) {
+    std::vector<glm::vec4> all;
+    for (const uint32_t channel : {0u, 1u, 2u}) {
+        InterfaceKind kind = solid;
+        kind.ior = dispersedIor(solid.ior, dispersion, channel);
+        const auto& tables = interfaceTables(kind);
+        all.insert(all.end(), tables.begin(), tables.end());
+    }
+    return all;
 }
 
 }  // namespace tilefarm

@@ -44,4 +44,11 @@ std::vector<glm::vec4> buildAlbedoTable(double ior);
 /// (both, clear) from outside and from inside. Built once per process and kind. Any thread may call.
 const std::vector<glm::vec4>& interfaceTables(const InterfaceKind& kind);
 
+/// KHR_materials_dispersion's index for a channel, 0 red to 2 blue, as shaders/material_point.glsl has it.
+float dispersedIor(float ior, float dispersion, uint32_t channel);
+
+/// The tables of a solid for red, green and blue one after another, of which a record names those of green.
+std::vector<glm::vec4> dispersedTables(const InterfaceKind& solid, float dispersion);
+inline constexpr uint32_t kDispersedTablesBeforeNamed = 3;
+
 }  // namespace tilefarm

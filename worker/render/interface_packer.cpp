@@ -52,7 +52,7 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
 }  // namespace
 
 uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
-    const bool reflects = m.metallic > 0 || (m.ior != 1 && m.specular > 0);
+    const bool reflects = m.metallic > 0 || (m.ior != 1 && m.specular > 0) || m.iridescence > 0;
     if (!reflects && m.transmission == 0) return 0;
     uint64_t features =
         gpu::bit(gpu::FEATURE_SPECULAR) | facetFeatures(m, settings) | dielectricFeatures(m, settings);

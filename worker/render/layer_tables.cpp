@@ -79,7 +79,10 @@ double gtr1Albedo(double cosTheta, double alpha) {
 }
 
 std::vector<glm::vec4> buildSheenTable() {
-    return tabulateAlbedo([](double cosTheta, double root) { return sheenAlbedo(cosTheta, root * root); });
+    return tabulateAlbedo([](double cosTheta, double root) {
+        const double roughness = kLeastSheenRoughness + (1 - kLeastSheenRoughness) * root * root;
+        return sheenAlbedo(cosTheta, roughness) * roughness;
+    });
 }
 
 std::vector<glm::vec4> buildGtr1Table() {

@@ -15,7 +15,8 @@ double sheenAlbedo(double cosTheta, double roughness);
 /// index 1.5; absolute error ≤ 1e-3, likewise.
 double gtr1Albedo(double cosTheta, double alpha);
 
-/// The tables of both, as tabulateAlbedo lays them out; that of sheen by the root of the roughness, which
+/// The tables of both, as tabulateAlbedo lays them out; that of sheen times the roughness, which is nearly
+/// constant where the albedo varies most, and in rows by the root of the roughness above the least one, which
 /// gives small ones the rows that they need.
 std::vector<glm::vec4> buildSheenTable();
 std::vector<glm::vec4> buildGtr1Table();

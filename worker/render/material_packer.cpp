@@ -62,8 +62,13 @@ glm::vec3 absorptionCoefficient(const glm::vec3& color, float distance) {
 
 uint32_t MaterialPacker::tablesFor(const Material& material) {
     const InterfaceKind kind = interfaceKind(material, settings_);
-    const auto [at, isNew] = tableOfInterface_.try_emplace(kind, 0);
-    if (isNew) at->second = addTable(interfaceTables(kind));
+    const float dispersion = kind.solid ? material.dispersion : 0;
+    const auto [at, isNew] = tableOfInterface_.try_emplace({kind, dispersion}, 0);
+    if (isNew && dispersion > 0) {
+        at->second = addTable(dispersedTables(kind, dispersion)) + kDispersedTablesBeforeNamed;
+    } else if (isNew) {
+        at->second = addTable(interfaceTables(kind));
+    }
     return at->second;
 }
 

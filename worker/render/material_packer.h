@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "shaders/gpu_types.h"
@@ -35,7 +36,7 @@ private:
 
     TexturePacker& textures_;
     RenderSettings settings_;
-    std::map<InterfaceKind, uint32_t> tableOfInterface_;
+    std::map<std::pair<InterfaceKind, float>, uint32_t> tableOfInterface_;  // by dispersion, too
     std::optional<uint32_t> coatTable_, gtr1Table_, sheenTable_;
 };
 
