@@ -62,6 +62,10 @@ struct Size {
     uint32_t width = 0, height = 0;
 };
 
+/// A row of one colour takes 8 bytes where runs are repeated pixels; of rows wider than 4096 all alike nobody
+/// has written a file. Runs by channel hold 16 texels a byte. Without a bound a small file takes any memory.
+constexpr uint64_t kMostTexelsPerByte = 512;
+
 /// "-Y 512 +X 1024": rows from the top, columns from the left, which is how all of them are written.
 Size parseSize(std::string_view line) {
     Size size;
@@ -142,11 +146,16 @@ void readFlatRow(Reader& reader, std::span<Rgbe> row) {
 Image decodeRadianceHdr(std::span<const std::byte> bytes) {
     Reader reader(bytes);
     const Size size = readHeader(reader);
+    const uint64_t texels = uint64_t{size.width} * size.height;
+    if (texels > kMostTexelsPerByte * bytes.size()) {
+        failPicture(fmt::format("has {} x {} texels, more than its {} bytes can hold", size.width,
+                                size.height, bytes.size()));
+    }
     Image image;
     image.width = size.width;
     image.height = size.height;
     std::vector<Rgbe> row(size.width);
-    // Grows with what is there, so that a small file cannot claim the memory of a large one.
+    image.rgbaFloat.reserve(texels * 4);
     for (uint32_t y = 0; y < size.height; ++y) {
         if (size.width >= 8 && size.width < 32768 && reader.startsRun(size.width)) {
             readRunRow(reader, row);

@@ -71,6 +71,9 @@ TEST_F(EnvironmentTest, NamesWhatIsWrong) {
     EXPECT_THAT(faultOf(folder / "absent.hdr"), HasSubstr("absent.hdr: there is no such file"));
     writeText(folder / "junk.hdr", "#?RADIANCE\nnonsense");
     EXPECT_THAT(faultOf(folder / "junk.hdr"), HasSubstr("junk.hdr: "));
+    writeText(folder / "claim.hdr", "#?RADIANCE\n\n-Y 1 +X 222222202\n");
+    EXPECT_THAT(faultOf(folder / "claim.hdr"),
+                HasSubstr("222222202 x 1 texels, more than its 30 bytes can hold"));
     writeText(folder / "junk.exr", "nonsense");
     EXPECT_THAT(faultOf(folder / "junk.exr"), HasSubstr("junk.exr"));
     writeText(folder / "sky.png", "");
