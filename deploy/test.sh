@@ -24,5 +24,5 @@ if [ "$preset" = tsan ] && setarch --addr-no-randomize true 2>/dev/null; then ru
 "${run[@]}" cmake --build --preset "$preset"
 # The full statistical suites are asked for by their label: ctest --preset release -L full.
 [ $# -gt 0 ] || set -- -LE full
-"${run[@]}" ctest --preset "$preset" "$@"
+"${run[@]}" ctest --preset "$preset" --parallel "$(nproc)" "$@"
 [ "$fuzz_seconds" = 0 ] || tests/fuzz/run.sh "$fuzz_seconds"
