@@ -82,7 +82,8 @@ bool sampleQuadLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface s, i
     vec3 inPlane = vec3(at, r.h);
     float distance = length(inPlane);
     inPlane /= distance;
-    l.wi = inPlane.x * r.x + inPlane.y * r.y + inPlane.z * r.z;
+    // Edges of a sliver far from the origin are at right angles only within the rounding of its corners.
+    l.wi = normalize(inPlane.x * r.x + inPlane.y * r.y + inPlane.z * r.z);
     vec2 u = (at - vec2(r.x0, r.y0)) / vec2(r.x1 - r.x0, r.y1 - r.y0);
     vec3 position = p.xyz + u.x * a.xyz + u.y * b.xyz;
     vec3 error = gammaBound(7.0) * (abs(p.xyz) + abs(u.x * a.xyz) + abs(u.y * b.xyz));

@@ -2,8 +2,10 @@
 // samples of every light. A case is a scene with one plain light of every kind, which keeps the kernel the
 // same, and any others.
 #include <cmath>
+#define GLM_ENABLE_EXPERIMENTAL
 #include <cstring>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtx/string_cast.hpp>
 #include <numbers>
 #include <ostream>
 #include <random>
@@ -224,13 +226,15 @@ std::string AnyLights::samplesAreSound(LightProbe& probe, const std::vector<Seen
         for (uint32_t light = 0; light < probe.lightCount(); ++light) {
             double mean = 0, square = 0;
             bool sound = true;
+            LightAnswer first{};  // that is not
             for (int i = 0; i < draws; ++i) {
                 const LightAnswer& a = answers[next++];
                 if (a.radiance.w != 1) continue;
-                for (int c = 0; c < 3; ++c)
-                    sound = sound && std::isfinite(a.radiance[c]) && a.radiance[c] >= 0;
-                sound = sound && std::abs(glm::length(glm::dvec3(a.wi)) - 1) < 1e-5 && a.wi.w >= 0 &&
-                        std::isfinite(a.wi.w);
+                bool good = std::abs(glm::length(glm::dvec3(a.wi)) - 1) < 1e-5 && a.wi.w >= 0 &&
+                            std::isfinite(a.wi.w);
+                for (int c = 0; c < 3; ++c) good = good && std::isfinite(a.radiance[c]) && a.radiance[c] >= 0;
+                if (sound && !good) first = a;
+                sound = sound && good;
                 if (!(a.wi.w > 0)) continue;
                 const double angle = 1 / double{a.wi.w};
                 mean += angle / draws;
@@ -239,7 +243,8 @@ std::string AnyLights::samplesAreSound(LightProbe& probe, const std::vector<Seen
             const double sigma = std::sqrt(std::max(square - mean * mean, 0.0) / draws);
             if (!sound)
                 faults += at(seen, "light " + std::to_string(light) +
-                                       " gives samples that are not finite or of no direction");
+                                       " gives samples that are not finite or of no direction: " +
+                                       glm::to_string(first.wi) + " " + glm::to_string(first.radiance));
             if (!(mean <= 4 * pi * (1 + 1e-4) + 6 * sigma))
                 faults +=
                     at(seen, "light " + std::to_string(light) + " covers " + std::to_string(mean) + " sr");
