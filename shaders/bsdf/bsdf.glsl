@@ -192,21 +192,16 @@ vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
         return reflectance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, wi);
     }
     if (!transmits(b.face)) return vec3(0);
-    vec3 h;
     if (b.face.thin) {
-        h = reflectionHalfVector(wo, mirrored(wi), cosTheta);
-    } else {
-        h = refractionHalfVector(wo, wi, b.face.eta);
-        cosTheta = dot(wo, h);
+        vec3 h = reflectionHalfVector(wo, mirrored(wi), cosTheta);
+        pdf += b.facetChance * (1.0 - reflectChance(b.face, cosTheta)) * reflectionPdf(b.facets, h, wo, mirrored(wi));
+        return b.face.baseColor * (transmittance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, mirrored(wi)));
     }
-    float chance = b.facetChance * (1.0 - reflectChance(b.face, cosTheta));
-    vec3 colour = b.face.baseColor * transmittance(b.face, cosTheta);
-    if (b.face.thin) {
-        pdf += chance * reflectionPdf(b.facets, h, wo, mirrored(wi));
-        return colour * reflectionEval(b.facets, h, wo, mirrored(wi));
-    }
-    pdf += chance * transmissionPdf(b.facets, h, wo, wi, b.face.eta);
-    return colour * transmissionEval(b.facets, h, wo, wi, b.face.eta);
+    Refraction r = refractionAt(wo, wi, b.face.ior, b.face.inside);
+    if (!r.possible) return vec3(0);
+    float passes = transmittance(b.face, r.cosO, -r.cosI);
+    pdf += b.facetChance * (1.0 - reflectChance(b.face, r.cosO, passes)) * transmissionPdf(b.facets, r, wo);
+    return b.face.baseColor * (passes * transmissionEval(b.facets, r, wo, wi, b.face.eta));
 }
 
 // The lobes that cosine lobes sample, on either side; `diffuse`: what the diffuse base has in it.

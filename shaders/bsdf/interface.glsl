@@ -18,6 +18,8 @@ struct Interface {
     vec3 baseColor;      // of metals; tints what is transmitted
     float metallic;
     float eta;           // index of the far side over that of wo's side
+    float ior;           // index behind the surface over that in front of it
+    bool inside;         // wo is behind
     float transmission;  // share of the dielectric that transmits
     uint flags;
     bool thin;
@@ -52,7 +54,9 @@ Interface interfaceAt(MaterialPoint m, bool frontFace) {
             f.kappa = (1.0 - min((f.ideal ? 1.0 : f0) * m.specularColor, 1.0)) / (1.0 - f0);
         }
     }
-    f.eta = frontFace || f.thin || m.transmission == 0.0 ? ior : 1.0 / ior;
+    f.inside = !(frontFace || f.thin || m.transmission == 0.0);
+    f.ior = ior;
+    f.eta = f.inside ? 1.0 / ior : ior;
     if (has(FEATURE_CONDUCTOR)) {
         f.conductorEta = m.conductorEta;
         f.conductorK = m.conductorK;
@@ -73,11 +77,18 @@ float dielectricCurve(Interface f, float cosTheta, float eta) {
     return fresnelDielectric(cosTheta, eta);
 }
 
+// The cosine on the rarer side of an interface, of one on the side where the index beyond is eta; 0 beyond the critical
+// angle.
+float rarerCosine(float cosTheta, float eta) {
+    if (eta >= 1.0) return cosTheta;
+    return sqrt(max(0.0, 1.0 - (1.0 - cosTheta) * (1.0 + cosTheta) / (eta * eta)));
+}
+
 bool hasFilm(Interface f) { return has(FEATURE_IRIDESCENCE) && f.film > 0.0; }
 
 vec3 bareDielectric(Interface f, float cosTheta, float eta) {
     if (has(FEATURE_SPECULAR_COLOR) && f.tinted) {
-        float through = f.ideal ? 1.0 - schlickWeight(cosTheta) : 1.0 - dielectricCurve(f, cosTheta, eta);
+        float through = f.ideal ? 1.0 - schlickWeight(rarerCosine(cosTheta, eta)) : 1.0 - dielectricCurve(f, cosTheta, eta);
         return eta < 1.0 && !(through > 0.0) ? vec3(1) : f.specular * max(1.0 - f.kappa * through, 0.0);
     }
     return vec3(dielectricCurve(f, cosTheta, eta));
@@ -88,9 +99,8 @@ vec3 dielectricReflectance(Interface f, float cosTheta, float eta) {
     if (!hasFilm(f)) return bare;
     // The film is outside: from inside light meets it at the refracted angle, and it reflects alike from either side.
     if (eta < 1.0) {
-        float cosSquared = 1.0 - (1.0 - cosTheta) * (1.0 + cosTheta) / (eta * eta);
-        if (cosSquared <= 0.0) return vec3(1);
-        cosTheta = sqrt(cosSquared);
+        cosTheta = rarerCosine(cosTheta, eta);
+        if (cosTheta == 0.0) return vec3(1);
     }
     return mix(bare, filmReflectance(cosTheta, f.filmIor, f.filmThickness, f.filmBase), f.film);
 }
@@ -145,12 +155,22 @@ float transmittance(Interface f, float cosTheta) {
 
 bool transmits(Interface f) { return has(FEATURE_TRANSMISSION) && f.transmission > 0.0; }
 
+// The same by both cosines of a refracted pair: from the dense side, that beyond cannot be told from cosTheta to more
+// than a few digits near the critical angle, and light that goes back would meet other ones.
+float transmittance(Interface f, float cosTheta, float cosBeyond) {
+    float share = (1.0 - f.metallic) * f.transmission;
+    if (f.eta >= 1.0) return share * (1.0 - maxComponent(dielectricReflectance(f, cosTheta, f.eta)));
+    return share * (1.0 - maxComponent(dielectricReflectance(f, cosBeyond, f.inside ? f.ior : 1.0 / f.ior)));
+}
+
 // Probability of reflecting rather than transmitting at a microfacet.
-float reflectChance(Interface f, float cosTheta) {
-    if (!has(FEATURE_TRANSMISSION)) return 1.0;
+float reflectChance(Interface f, float cosTheta, float passes) {
     float reflected = luminance(reflectance(f, cosTheta));
-    float transmitted = transmittance(f, cosTheta) * max(maxComponent(f.baseColor), 1e-3);
+    float transmitted = passes * max(maxComponent(f.baseColor), 1e-3);
     return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
+}
+float reflectChance(Interface f, float cosTheta) {
+    return has(FEATURE_TRANSMISSION) ? reflectChance(f, cosTheta, transmittance(f, cosTheta)) : 1.0;
 }
 
 // Cosine-weighted averages over directions outside, 2 ∫ F cosθ dcosθ.

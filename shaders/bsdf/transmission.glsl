@@ -3,37 +3,38 @@
 #ifndef TRANSMISSION_GLSL
 #define TRANSMISSION_GLSL
 
-// Half vector of a refracted pair on the side of +z; zero where there is none.
-vec3 refractionHalfVector(vec3 wo, vec3 wi, float eta) {
-    vec3 h = wo + eta * wi;
-    float squared = dot(h, h);
-    if (!(squared > 0.0)) return vec3(0);
-    h *= inversesqrt(squared);
-    return h.z < 0.0 ? -h : h;
-}
+// A pair of directions as a facet refracts one into the other. All of it comes from the sum of the direction in front
+// and `ior` times that behind, whichever is wo, so that light that goes back meets the same digits.
+struct Refraction {
+    vec3 h;            // the facet's normal, on the side of +z
+    float cosO, cosI;  // of wo and wi with h
+    float solidAngle;  // of wi per solid angle of h
+    bool possible;
+};
 
-// Solid angle of wi per solid angle of h.
-float refractionJacobian(vec3 h, vec3 wo, vec3 wi, float eta) {
-    float sum = dot(wi, h) + dot(wo, h) / eta;
-    return abs(dot(wi, h)) / max(sum * sum, 1e-30);
-}
-
-bool refractionPossible(vec3 h, vec3 wo, vec3 wi) {
-    return !sameHemisphere(wo, wi) && dot(wo, h) > 0.0 && dot(wi, h) < 0.0;
+// `ior`: of what lies behind the surface over what lies in front; `inside`: wo is behind.
+Refraction refractionAt(vec3 wo, vec3 wi, float ior, bool inside) {
+    vec3 sum = inside ? wi + ior * wo : wo + ior * wi;
+    float squared = dot(sum, sum);
+    Refraction r = Refraction(vec3(0), 0.0, 0.0, 0.0, false);
+    if (!(squared > 0.0)) return r;
+    r.h = sum * (sum.z < 0.0 ? -inversesqrt(squared) : inversesqrt(squared));
+    r.cosO = dot(wo, r.h);
+    r.cosI = dot(wi, r.h);
+    // |wi·h| / (wi·h + wo·h / eta)², whose terms would cancel for an index near 1.
+    r.solidAngle = abs(r.cosI) * (inside ? 1.0 : ior * ior) / squared;
+    r.possible = !sameHemisphere(wo, wi) && r.cosO > 0.0 && r.cosI < 0.0;
+    return r;
 }
 
 // BSDF times cosine, 1/sr.
-float transmissionEval(Facets f, vec3 h, vec3 wo, vec3 wi, float eta) {
-    if (!refractionPossible(h, wo, wi)) return 0.0;
-    float cosine = 4.0 * dot(wo, h) * facetVisibility(f, wo, wi) * abs(wi.z);
-    return facetD(f, h) * cosine * refractionJacobian(h, wo, wi, eta) / (eta * eta);
+float transmissionEval(Facets f, Refraction r, vec3 wo, vec3 wi, float eta) {
+    float cosine = 4.0 * r.cosO * facetVisibility(f, wo, wi) * abs(wi.z);
+    return facetD(f, r.h) * cosine * r.solidAngle / (eta * eta);
 }
 
 // Solid-angle pdf of wi, 1/sr.
-float transmissionPdf(Facets f, vec3 h, vec3 wo, vec3 wi, float eta) {
-    if (!refractionPossible(h, wo, wi)) return 0.0;
-    return facetPdf(f, wo, h) * refractionJacobian(h, wo, wi, eta);
-}
+float transmissionPdf(Facets f, Refraction r, vec3 wo) { return facetPdf(f, wo, r.h) * r.solidAngle; }
 
 // Refracts wo at h; false beyond the critical angle.
 bool transmissionSample(vec3 wo, vec3 h, float eta, out vec3 wi) {
