@@ -64,13 +64,16 @@ struct BsdfSample {
                                                   featureBit(FEATURE_TRANSMISSION))) != 0u)
 
 // The interface's albedos (Ed, E1) for a direction. Of stretched facets, whose albedo varies around the normal, bounds:
-// what stretchedAlpha leaves out at grazing angles is added where an albedo is neither 0 nor 1.
+// what stretchedAlpha leaves out at grazing angles is added where an albedo is neither 0 nor 1. Along grooves that are
+// as rough across as α = 0.7 or more it leaves out the most (0.05 of all light).
 vec2 albedosAt(Bsdf b, vec3 w) {
     if (b.albedoTable == NO_INDEX) return vec2(0);
     float stretch = has(FEATURE_ANISOTROPY) && !b.mirror ? stretchOf(b.facets) : 0.0;
     if (!has(FEATURE_ANISOTROPY) || stretch == 0.0) return albedoPair(b.albedoTable, abs(w.z), b.alpha, needsBothAlbedos());
+    float plane = alphaInPlane(b.facets, w), most = max(b.facets.alpha.x, b.facets.alpha.y);
     vec2 e = albedoPair(b.albedoTable, abs(w.z), stretchedAlpha(b.facets, w), needsBothAlbedos());
-    return vec2(e.x + 0.3 * stretch * e.x * e.x * (1.0 - e.x), mix(e.y, 1.0, 0.4 * stretch));
+    float sideways = stretch * (0.3 + 0.5 * most * most * (most - plane));
+    return vec2(e.x + sideways * e.x * e.x * (1.0 - e.x), mix(e.y, 1.0, 0.4 * stretch));
 }
 
 // What of the light from w the interface keeps from the diffuse base, as 1 − that.
@@ -85,10 +88,10 @@ float throughAt(Bsdf b, vec3 w, vec2 albedos) {
     return clamp(through, 0.0, 1.0);
 }
 
-// What the facets give, judged by a smooth surface. One of black specular colour or under a film may reflect
-// nothing there and yet do so off tilted facets.
+// What the facets give, judged by a smooth surface. A black metal, one of black specular colour or under a film may
+// reflect nothing there and yet do so off tilted facets.
 float facetWeight(Interface f, float cosTheta) {
-    float weight = luminance(reflectance(f, cosTheta)) + transmittance(f, cosTheta);
+    float weight = max(luminance(reflectance(f, cosTheta)) + transmittance(f, cosTheta), 0.04 * f.metallic);
     if (has(FEATURE_SPECULAR_COLOR) && f.tinted) weight = max(weight, 0.04 * f.specular);
     if (hasFilm(f)) weight = max(weight, 0.04 * f.film);
     return weight;

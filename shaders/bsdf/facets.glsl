@@ -22,15 +22,18 @@ float meanAlpha(Facets f) { return isStretched(f) ? sqrt(0.5 * dot(f.alpha, f.al
 // How far the table of isotropic albedos is from a stretched surface: 0 for one that is not.
 float stretchOf(Facets f) { return isStretched(f) && !isPhong(f) ? 1.0 - min(f.alpha.x, f.alpha.y) / max(f.alpha.x, f.alpha.y) : 0.0; }
 
+// Roughness in the plane of w and the normal.
+float alphaInPlane(Facets f, vec3 w) {
+    float across = dot(w.xy, w.xy);
+    return across > 0.0 ? length(f.alpha * w.xy) * inversesqrt(across) : meanAlpha(f);
+}
+
 // The α whose isotropic albedo stands for that of a stretched surface seen along w. Masking goes by the roughness in the
 // plane of w, and half of that is a bound: facets tilted sideways reflect at grazing angles what those of the plane would
 // shadow (all of αx ≥ αy from 1e-3 to 1 and index 1.1 to 2.4: true albedo above by 0.013 at most and only below cosθ =
-// 1e-3; below by up to 0.44 across grooves). sqrt((αx² + αy²) / 2) would be too low by 0.7.
-float stretchedAlpha(Facets f, vec3 w) {
-    float across = dot(w.xy, w.xy);
-    float plane = across > 0.0 ? length(f.alpha * w.xy) * inversesqrt(across) : meanAlpha(f);
-    return plane * (1.0 - 0.5 * stretchOf(f));
-}
+// 1e-3, but along grooves, see albedosAt; below by up to 0.44 across grooves). sqrt((αx² + αy²) / 2) would be too low by
+// 0.7.
+float stretchedAlpha(Facets f, vec3 w) { return alphaInPlane(f, w) * (1.0 - 0.5 * stretchOf(f)); }
 
 float facetD(Facets f, vec3 h) {
     if (isPhong(f)) return phongD(h, meanAlpha(f));

@@ -149,13 +149,18 @@ std::vector<SeenMaterial> materialsThatGaveTooMuch() {
         // [1e11, 1.04].
         {{.baseColor = white, .clearcoat = 1, .clearcoatAlpha = 1e-3f}, wo(1e-7)},
         {{.baseColor = white, .alpha = 1e-3f, .disneySheen = 1}, {-0.97831738f, -0.207111374f, 1e-5f}},
-        // Tables of albedos too coarse where cosθ meets α, and of smooth sheen [1.01, 1.09, 1.01].
+        // Tables of albedos too coarse where cosθ meets α, and of sheen [1.01, 1.09, 1.01, 1.01].
         {{.baseColor = white, .alpha = 2e-3f}, wo(0.01)},
         {{.baseColor = white, .sheenRoughness = 0, .sheenColor = white}, wo(1e-3)},
         {{.baseColor = white, .sheenRoughness = 1, .sheenColor = white}, wo(1e-7)},
+        {{.baseColor = white, .sheenRoughness = 1, .sheenColor = white}, wo(2e-3)},
         // Isotropic albedos under stretched facets, seen across the grooves [1.21, 1.08].
         {{.baseColor = white, .alpha = 0.25f, .alphaT = 1}, wo(1e-7, pi / 2)},
         {{.baseColor = white, .alpha = 0.25f, .alphaT = 1}, wo(0.1, pi / 2)},
+        // And along grooves that are rough across [1.05].
+        {{.baseColor = white, .alpha = 2e-3f, .alphaT = 0.98f, .ior = 1.33f}, wo(1e-5, 1.54)},
+        // The rim of an index near 1, within the table's first column [1.015].
+        {{.baseColor = white, .alpha = 0, .ior = 1.0001f}, wo(1e-4)},
         // Films above what a plain interface's tables bound, with a base of index 1 among them
         // [1.09, 1.26, 1.02].
         {{.baseColor = white, .alpha = 0, .iridescence = 1, .iridescenceThickness = 400}, wo(0.12)},

@@ -189,6 +189,12 @@ bool isReciprocalByItsModel(const ProbeMaterial& m) {
     return m.clearcoat == 0 && m.sheenColor == glm::vec3(0) && m.disneySheen == 0;
 }
 
+/// From inside, an index n refracts where 1 − cosθ is below 1 / 2n², of which a float near 1 keeps its 24
+/// bits less those of n²: at 1000, three.
+bool resolvesRefraction(const ProbeMaterial& m) {
+    return m.ior <= 100;
+}
+
 /// f(wo, wi) = f(wi, wo) for directions drawn and any others; what refracts times eta², what passes the
 /// diffuse base not.
 std::string AnyMaterial::isReciprocal(const Materials& all) {
@@ -208,8 +214,8 @@ std::string AnyMaterial::isReciprocal(const Materials& all) {
             wi = direction(0.02 + 0.97 * double(i * 13 % 97) / 97, double(i)) * (i % 4 == 0 ? 1.f : -1.f);
         else if (drawn[i].value.w != 1)
             continue;
-        if (std::abs(wi.z) < 0.02f) continue;
         const bool across = wi.z < 0;
+        if (std::abs(wi.z) < 0.02f || (across && !resolvesRefraction(seen.material))) continue;
         const glm::vec3 flip(1, 1, across ? -1 : 1);
         ProbeMaterial behind = seen.material;
         if (across) behind.frontFace = 1 - behind.frontFace;
@@ -229,7 +235,10 @@ std::string AnyMaterial::isReciprocal(const Materials& all) {
                          forth =
                              (diffuse + (f[i].value[c] - diffuse) * eta * eta) / std::abs(there[i].other.z),
                          reverse = g[i].value[c] / std::abs(back[i].other.z);
-            off = std::max(off, std::abs(forth - reverse) / (std::max(forth, reverse) + 1e-3));
+            // What is left of a float when the diffuse part is taken out of it.
+            const double digits =
+                across ? 0x1p-22 * f[i].value[c] * eta * eta / std::abs(there[i].other.z) : 0;
+            off = std::max(off, (std::abs(forth - reverse) - digits) / (std::max(forth, reverse) + 1e-3));
             largest = std::max({largest, forth, reverse});
         }
         std::ostringstream what;

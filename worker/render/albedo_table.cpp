@@ -77,15 +77,20 @@ void appendPairs(std::vector<glm::vec4>& tables, const Grid& first, const Grid& 
     tables.insert(tables.end(), texels.begin(), texels.end());
 }
 
+// An index of 0 stands for perfect reflection at the rim, and refracts as glass.
+double indexOf(const InterfaceKind& kind) {
+    return kind.ior == 0 ? 1.5 : double{kind.ior};
+}
+
 double fresnelOf(const InterfaceKind& kind, double cosTheta, double eta) {
-    if (kind.ior == 0) return std::pow(1 - cosTheta, 5);
+    if (kind.ior == 0) return fresnelSchlick(0, cosTheta, eta);
     return kind.fresnel == Fresnel::schlick ? fresnelSchlick(cosTheta, eta)
                                             : fresnelDielectric(cosTheta, eta);
 }
 
 void addRefracted(InterfaceAlbedos& sum, const InterfaceKind& kind, const HostFacets& facets,
                   const glm::dvec3& wo, const glm::dvec3& h, double reflected) {
-    const double ior = kind.ior == 0 ? 1.5 : double{kind.ior};
+    const double ior = indexOf(kind);
     for (const int side : {0, 1}) {
         const double eta = side == 0 ? ior : 1 / ior;
         glm::dvec3 wi;
@@ -106,7 +111,7 @@ void addRefracted(InterfaceAlbedos& sum, const InterfaceKind& kind, const HostFa
 // tables' lines between their points show: by 0.01 to 0.1. There the points are raised until the lines are
 // nowhere below, so that shaders keep too much from what lies beneath, never too little.
 constexpr double kFirstCell[]{1e-6, 1e-5, 5e-5, 2e-4, 5e-4};
-constexpr size_t kBentColumns = 8, kBentRows = 5;
+constexpr size_t kBentColumns = 8, kSmoothRows = 5;
 constexpr glm::dvec2 kWithin[]{{0.5, 0.5}, {0, 0.5}, {0.5, 0}};
 
 // A share of light stays at 1 or below; what is above already is none (sheen).
@@ -124,7 +129,7 @@ void raise(Grid& grid, size_t y, size_t x, const glm::dvec2& at, double albedo) 
 
 template <size_t n>
 std::array<Grid, n> tabulated(
-    const std::function<std::array<double, n>(double cosTheta, double roughness)>& albedos) {
+    const std::function<std::array<double, n>(double cosTheta, double roughness)>& albedos, size_t bentRows) {
     std::array<Grid, n> grids;
     const auto each = [&](double cosTheta, double roughness, const auto& take) {
         const auto values = albedos(cosTheta, roughness);
@@ -136,10 +141,12 @@ std::array<Grid, n> tabulated(
         for (const double cosTheta : kFirstCell)
             each(cosTheta, roughnessOf(double(y)), [&](Grid& g, double e) {
                 const double share = std::sqrt(cosTheta) * (kSize - 1);
-                raiseTo(g.rows[y][0], (e - share * g.rows[y][1]) / (1 - share));
+                double &rim = g.rows[y][0], &next = g.rows[y][1];
+                raiseTo(rim, (e - share * next) / (1 - share));
+                raiseTo(next, (e - (1 - share) * rim) / share);  // where the rim is at 1 already
             });
     }
-    for (size_t y = 0; y < kBentRows; ++y)
+    for (size_t y = 0; y < bentRows; ++y)
         for (size_t x = 0; x < kBentColumns; ++x)
             for (const glm::dvec2& at : kWithin)
                 each(cosineOf(double(x) + at.x), roughnessOf(double(y) + at.y),
@@ -150,10 +157,12 @@ std::array<Grid, n> tabulated(
 }
 
 std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
-    const auto grids = tabulated<6>([&](double cosTheta, double roughness) {
-        const InterfaceAlbedos e = interfaceAlbedos(cosTheta, roughness * roughness, kind);
-        return std::array{e.reflected, e.all, e.both[0], e.clear[0], e.both[1], e.clear[1]};
-    });
+    const auto grids = tabulated<6>(
+        [&](double cosTheta, double roughness) {
+            const InterfaceAlbedos e = interfaceAlbedos(cosTheta, roughness * roughness, kind);
+            return std::array{e.reflected, e.all, e.both[0], e.clear[0], e.both[1], e.clear[1]};
+        },
+        kSmoothRows);
     std::vector<glm::vec4> tables;
     appendPairs(tables, grids[0], grids[1]);
     if (kind.solid) {
@@ -166,7 +175,7 @@ std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
 }  // namespace
 
 InterfaceAlbedos interfaceAlbedos(double cosTheta, double alpha, const InterfaceKind& kind) {
-    const double z = std::clamp(cosTheta, 1e-6, 1.0), ior = kind.ior;
+    const double z = std::clamp(cosTheta, 1e-6, 1.0), ior = indexOf(kind);
     const glm::dvec3 wo(std::sqrt(1 - z * z), 0, z);
     // A roughness of 0 is the limit of small ones; a single normal, then.
     const HostFacets facets{kind.microfacets, std::max(alpha, 1e-9)};
@@ -195,9 +204,10 @@ double reflectionAlbedo(double cosTheta, double alpha, double ior) {
     return interfaceAlbedos(cosTheta, alpha, {.ior = static_cast<float>(ior)}).reflected;
 }
 
-std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo) {
+std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo, size_t bentRows) {
     const Grid grid = tabulated<1>(
-        [&](double cosTheta, double roughness) { return std::array{albedo(cosTheta, roughness)}; })[0];
+        [&](double cosTheta, double roughness) { return std::array{albedo(cosTheta, roughness)}; },
+        bentRows)[0];
     return texelsOf([&](size_t y, size_t x) { return static_cast<float>(grid.rows[y][x]); },
                     [&](size_t x) { return static_cast<float>(grid.averages[x]); });
 }

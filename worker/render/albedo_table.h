@@ -34,8 +34,11 @@ InterfaceAlbedos interfaceAlbedos(double cosTheta, double alpha, const Interface
 double reflectionAlbedo(double cosTheta, double alpha, double ior);
 
 /// A directional albedo of (cosθ, perceptual roughness) as a plain table of
-/// shaders/bsdf/albedo_table.glsl: ALBEDO_TABLE_SIZE + 1 rows of ALBEDO_TABLE_SIZE texels.
-std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo);
+/// shaders/bsdf/albedo_table.glsl: ALBEDO_TABLE_SIZE + 1 rows of ALBEDO_TABLE_SIZE texels. At grazing angles
+/// it is nowhere below the albedo in the first `bentRows` cells of roughness, where an interface's lines need
+/// it.
+std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)>& albedo,
+                                      size_t bentRows = 5);
 
 /// The plain table of reflectionAlbedo.
 std::vector<glm::vec4> buildAlbedoTable(double ior);

@@ -55,14 +55,17 @@ double fresnelDielectric(double cosTheta, double eta) {
 }
 
 double fresnelSchlick(double cosTheta, double eta) {
-    if (eta == 1) return 0;
     const double r = (eta - 1) / (eta + 1);
+    return eta == 1 ? 0 : fresnelSchlick(r * r, cosTheta, eta);
+}
+
+double fresnelSchlick(double f0, double cosTheta, double eta) {
     if (eta < 1) {
         const double cosSquaredT = 1 - (1 - cosTheta * cosTheta) / (eta * eta);
         if (cosSquaredT <= 0) return 1;
         cosTheta = std::sqrt(cosSquaredT);
     }
-    return r * r + (1 - r * r) * std::pow(1 - cosTheta, 5);
+    return f0 + (1 - f0) * std::pow(1 - cosTheta, 5);
 }
 
 bool refracted(const glm::dvec3& wo, const glm::dvec3& h, double eta, glm::dvec3& wi) {

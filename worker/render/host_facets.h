@@ -9,6 +9,8 @@ namespace tilefarm {
 
 double fresnelDielectric(double cosTheta, double eta);
 double fresnelSchlick(double cosTheta, double eta);
+/// The same with another reflectance at normal incidence.
+double fresnelSchlick(double f0, double cosTheta, double eta);
 
 /// Direction of wo refracted at h; false where it is reflected totally or would leave on wo's side.
 bool refracted(const glm::dvec3& wo, const glm::dvec3& h, double eta, glm::dvec3& wi);

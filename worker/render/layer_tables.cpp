@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "shaders/gpu_types.h"
 #include "worker/render/albedo_table.h"
 
 namespace tilefarm {
@@ -79,10 +80,13 @@ double gtr1Albedo(double cosTheta, double alpha) {
 }
 
 std::vector<glm::vec4> buildSheenTable() {
-    return tabulateAlbedo([](double cosTheta, double root) {
-        const double roughness = kLeastSheenRoughness + (1 - kLeastSheenRoughness) * root * root;
-        return sheenAlbedo(cosTheta, roughness) * roughness;
-    });
+    // Towards grazing angles Charlie bends at any roughness: lines between the points would be low by 1 %.
+    return tabulateAlbedo(
+        [](double cosTheta, double root) {
+            const double roughness = kLeastSheenRoughness + (1 - kLeastSheenRoughness) * root * root;
+            return sheenAlbedo(cosTheta, roughness) * roughness;
+        },
+        gpu::ALBEDO_TABLE_SIZE - 1);
 }
 
 std::vector<glm::vec4> buildGtr1Table() {
