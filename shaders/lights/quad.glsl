@@ -25,9 +25,13 @@ float triangleSolidAngle(float triple, vec3 a, vec3 b, vec3 c) {
 
 SphericalRectangle sphericalRectangle(vec3 corner, vec3 a, vec3 b, vec3 from) {
     SphericalRectangle r;
-    float width = length(a), height = length(b);
+    float width = length(a);
     r.x = a / width;
-    r.y = b / height;
+    // The corners of a sliver are rounded, and its edges then not at right angles: in axes that are not, directions would
+    // come out beside it.
+    vec3 across = b - dot(b, r.x) * r.x;
+    float height = length(across);
+    r.y = height > 0.0 ? across / height : vec3(0);
     vec3 normal = cross(r.x, r.y);
     vec3 d = corner - from;
     float h = dot(d, normal);

@@ -1,6 +1,7 @@
 // Properties of any set of lights, as points anywhere see them: the probabilities of the light tree, and the
 // samples of every light. A case is a scene with one plain light of every kind, which keeps the kernel the
 // same, and any others.
+#include <algorithm>
 #include <cmath>
 #define GLM_ENABLE_EXPERIMENTAL
 #include <cstring>
@@ -102,6 +103,48 @@ rc::Gen<Seen> anyPoint() {
     });
 }
 
+/// A map that is dark but for a few texels.
+struct RandomSky {
+    uint32_t width = 16, height = 8;
+    float rest = 0, intensity = 1;
+    double rotation = 0;
+    std::vector<glm::vec3> bright{{9, 2, 3}};  // texel, radiance
+};
+
+std::ostream& operator<<(std::ostream& out, const RandomSky& s) {
+    out << "{" << s.width << " x " << s.height << ", times " << s.intensity << ", turned by " << s.rotation
+        << ", radiance " << s.rest;
+    for (const glm::vec3& texel : s.bright) out << ", at " << texel.x << " " << texel.y << ": " << texel.z;
+    return out << "}";
+}
+
+rc::Gen<RandomSky> anySky() {
+    return rc::gen::map(codes(), [](const std::vector<int>& c) {
+        RandomSky s;
+        s.width = static_cast<uint32_t>(1 + c[0] % 64);
+        s.height = static_cast<uint32_t>(1 + c[1] % 32);
+        s.rest = c[2] < 5000 ? 0 : powerOfTen(c[2], -10, 2);
+        s.intensity = powerOfTen(c[3], -20, 20);
+        s.rotation = c[4] < 3000 ? 0 : 2 * pi * c[4] / 10000;
+        s.bright.clear();
+        for (size_t i = 0; i < static_cast<size_t>(c[5] % 4); ++i)
+            s.bright.emplace_back(static_cast<uint32_t>(c[6 + 2 * i]) % s.width,
+                                  static_cast<uint32_t>(c[6 + 2 * i] / 64) % s.height,
+                                  powerOfTen(c[7 + 2 * i], -6, 10));
+        return s;
+    });
+}
+
+Environment environmentOf(const RandomSky& sky) {
+    Environment e = uniformEnvironment(glm::vec3(sky.rest * sky.intensity), sky.width, sky.height);
+    for (const glm::vec3& texel : sky.bright) {
+        const size_t at = static_cast<size_t>(texel.y) * sky.width + static_cast<size_t>(texel.x);
+        for (size_t c = 0; c < 3; ++c) e.image.rgbaFloat[4 * at + c] = texel.z * sky.intensity;
+    }
+    e.rotation = sky.rotation;
+    return e;
+}
+
 PunctualLight punctual(const RandomLight& r) {
     if (r.kind == Kind::sun || r.kind == Kind::beam)
         return sunLight(r.direction, r.kind == Kind::sun ? std::max(r.outer, 1e-4f) : 0, r.power);
@@ -135,7 +178,7 @@ void addTo(Scene& scene, const RandomLight& r) {
     }
 }
 
-Scene sceneOf(const std::vector<RandomLight>& lights) {
+Scene sceneOf(const std::vector<RandomLight>& lights, const RandomSky& sky) {
     Scene scene;
     addMesh(scene, quadMesh({-1, -2, 1}, {2, 0, 0}, {0, 0, -2}), matte(glm::vec3(0.5f)));
     for (int kind = 0; kind < 7; ++kind) {
@@ -145,7 +188,7 @@ Scene sceneOf(const std::vector<RandomLight>& lights) {
         addTo(scene, plain);
     }
     for (const RandomLight& light : lights) addTo(scene, light);
-    scene.environment = oneTexelSun(16, 8, 9, 2, 3);
+    scene.environment = environmentOf(sky);
     return scene;
 }
 
@@ -153,6 +196,8 @@ class AnyLights : public DeviceTest {
 protected:
     static std::string treeIsADistribution(LightProbe& probe, const std::vector<Seen>& points);
     static std::string samplesAreSound(LightProbe& probe, const std::vector<Seen>& points, int draws);
+    static std::string pdfsAgree(LightProbe& probe, const std::vector<RandomLight>& lights,
+                                 const std::vector<Seen>& points, int draws);
     static std::string treeFindsWhatMatters(LightProbe& probe, const std::vector<Seen>& points);
     void expectSoundLights(int cases, int lights, int draws);
 };
@@ -252,6 +297,119 @@ std::string AnyLights::samplesAreSound(LightProbe& probe, const std::vector<Seen
     return faults;
 }
 
+/// How far the rounding of coordinates may move a point: a few of the last bits of the largest.
+float roundingAt(const glm::vec3& p) {
+    return 0x1p-21f * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+/// Whether a point is on a light that from there is as narrow as rounding, which rays towards it may pass by.
+bool isOnNeedle(const std::vector<RandomLight>& lights, const glm::vec3& point, const glm::vec3& wi,
+                float rounding) {
+    return std::any_of(lights.begin(), lights.end(), [&](const RandomLight& l) {
+        if (glm::distance(point, l.position) > 1.5f * l.size + 8 * rounding) return false;
+        const float tilt = l.kind == Kind::sphere ? 1 : l.aspect * std::abs(glm::dot(wi, l.direction));
+        return l.size * tilt < 32 * rounding;
+    });
+}
+
+/// A sample of a light from a point, and how far rounding may have moved it.
+struct Drawn {
+    LightQuery query;
+    LightAnswer answer;
+    glm::vec3 target;
+    float rounding;
+};
+
+std::vector<Drawn> drawFrom(LightProbe& probe, const std::vector<RandomLight>& lights,
+                            const std::vector<Seen>& points, int draws) {
+    std::mt19937 random(6);
+    std::vector<LightQuery> queries;
+    for (const Seen& seen : points)
+        for (uint32_t light = 0; light < probe.lightCount(); ++light)
+            for (int i = 0; i < draws; ++i)
+                queries.push_back({glm::vec4(seen.point, 0),
+                                   glm::vec4(0),
+                                   {},
+                                   {random(), random(), random(), random()},
+                                   {PROBE_SAMPLE, light, static_cast<uint32_t>(i), 0}});
+    const auto answers = probe.ask(queries);
+    std::vector<Drawn> drawn;
+    for (size_t i = 0; i < answers.size(); ++i) {
+        const LightAnswer& a = answers[i];
+        if (a.radiance.w != 1 || !(a.wi.w > 0)) continue;
+        const glm::vec3 from(queries[i].position), centre(probe.centre());
+        const glm::vec3 target = std::isfinite(a.chosen.x) ? from + a.chosen.x * glm::vec3(a.wi) : from;
+        float rounding = std::max(roundingAt(from - centre), roundingAt(target - centre));
+        for (const RandomLight& l : lights)
+            if (glm::distance(target, l.position) <= 1.5f * l.size + 8 * rounding)
+                rounding = std::max(rounding, roundingAt(l.position - centre) + 0x1p-21f * l.size);
+        drawn.push_back({queries[i], a, target, rounding});
+    }
+    return drawn;
+}
+
+/// What a ray towards a sample is told of the light there: the pdf that it was drawn with, to 1e-4 and what
+/// the pdf changes by where point and direction move within their rounding. A ray that meets nothing of the
+/// light has something else in front of it, or passes by its edge within that rounding.
+std::string AnyLights::pdfsAgree(LightProbe& probe, const std::vector<RandomLight>& lights,
+                                 const std::vector<Seen>& points, int draws) {
+    constexpr size_t kMoved = 32;
+    const std::vector<Drawn> drawn = drawFrom(probe, lights, points, draws);
+    std::vector<LightQuery> queries;
+    for (const Drawn& d : drawn) {
+        queries.push_back(d.query);
+        queries.back().ask.x = PROBE_PDF;
+        queries.back().direction = glm::vec4(glm::vec3(d.answer.wi), 0);
+    }
+    if (queries.empty()) return {};
+    const auto asked = probe.ask(queries);
+
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> bits(-1, 1);
+    const auto moved = [&](float by) { return by * glm::vec4(bits(random), bits(random), bits(random), 0); };
+    std::vector<size_t> doubtful;
+    std::vector<LightQuery> again;
+    for (size_t i = 0; i < drawn.size(); ++i) {
+        const double pdf = double{drawn[i].answer.wi.w}, told = double{asked[i].wi.w};
+        // Never chosen: nothing to agree on.
+        if (told < 0 || std::abs(told - pdf) <= 1e-4 * pdf) continue;
+        doubtful.push_back(i);
+        for (size_t k = 0; k < kMoved; ++k) {
+            again.push_back(queries[i]);
+            again.back().direction += moved(0x1p-22f);
+            again.back().position += moved(drawn[i].rounding);
+        }
+    }
+    if (doubtful.empty()) return {};
+    const auto around = probe.ask(again);
+    std::string faults;
+    for (size_t n = 0; n < doubtful.size(); ++n) {
+        const Drawn& d = drawn[doubtful[n]];
+        const LightAnswer& first = asked[doubtful[n]];
+        const double pdf = double{d.answer.wi.w}, told = double{first.wi.w};
+        const float reach = d.answer.chosen.x;
+        const auto another = [&](const LightAnswer& a) {
+            return a.chosen.y == 0 && a.chosen.x < reach + 1e-4f * reach + 8 * d.rounding;
+        };
+        bool hidden = another(first);
+        double changes = 0;
+        for (size_t k = n * kMoved; k < (n + 1) * kMoved; ++k) {
+            changes = std::max(changes, std::abs(double{around[k].wi.w} - told));
+            hidden = hidden || another(around[k]);
+        }
+        const bool unknown =
+            reach < 32 * d.rounding || isOnNeedle(lights, d.target, glm::vec3(d.answer.wi), d.rounding);
+        if (unknown || (told == 0 && (hidden || changes > 0))) continue;
+        if (std::abs(told - pdf) <= 1e-4 * pdf + 2 * changes) continue;
+        std::ostringstream text;
+        text << "light " << d.query.ask.y << " drawn towards " << d.answer.wi.x << " " << d.answer.wi.y << " "
+             << d.answer.wi.z << " at " << reach << " with pdf " << pdf << ", told " << told << " ± "
+             << changes << " at " << first.chosen.x;
+        faults += at({glm::vec3(d.query.position), {}}, text.str());
+    }
+    return faults;
+}
+
 /// A light that gives a ten-thousandth of what arrives is never without a chance, where lights differ by less
 /// than the 2^32 that a chance can be small.
 std::string AnyLights::treeFindsWhatMatters(LightProbe& probe, const std::vector<Seen>& points) {
@@ -295,7 +453,11 @@ std::string AnyLights::treeFindsWhatMatters(LightProbe& probe, const std::vector
 }
 
 /// Points at some distance from all lights, if none of these outshines the others by far.
-std::vector<Seen> moderate(const std::vector<RandomLight>& lights, std::vector<Seen> points) {
+std::vector<Seen> moderate(const std::vector<RandomLight>& lights, const RandomSky& sky,
+                           std::vector<Seen> points) {
+    float most = sky.rest;
+    for (const glm::vec3& texel : sky.bright) most = std::max(most, texel.z);
+    if (most * sky.intensity > 1e3f) return {};
     for (const RandomLight& l : lights) {
         if (l.power > 1e3f) return {};
         std::erase_if(points,
@@ -306,6 +468,7 @@ std::vector<Seen> moderate(const std::vector<RandomLight>& lights, std::vector<S
 
 void AnyLights::expectSoundLights(int cases, int lights, int draws) {
     holds("lights anywhere are sound", cases, [&] {
+        const auto sky = *anySky();
         const auto added = *rc::gen::resize(lights, rc::gen::container<std::vector<RandomLight>>(anyLight()));
         auto points = *rc::gen::resize(12, rc::gen::container<std::vector<Seen>>(anyPoint()));
         // In the middle of lights and a little beside them.
@@ -317,10 +480,11 @@ void AnyLights::expectSoundLights(int cases, int lights, int draws) {
         points.push_back({});
         RenderSettings settings;
         settings.lightSelection = LightSelection::tree;
-        LightProbe probe(device, sceneOf(added), settings);
+        LightProbe probe(device, sceneOf(added, sky), settings);
         require(treeIsADistribution(probe, points));
         require(samplesAreSound(probe, points, draws));
-        require(treeFindsWhatMatters(probe, moderate(added, points)));
+        require(pdfsAgree(probe, added, points, std::max(draws / 8, 1)));
+        require(treeFindsWhatMatters(probe, moderate(added, sky, points)));
     });
 }
 

@@ -36,7 +36,8 @@ LightAnswer sampled(LightQuery q) {
     SampleKey key = SampleKey(0u, q.ask.z, 7u);
     uvec4 head = LOAD(lightTexels, q.ask.y * LIGHT_TEXELS);
     if (!sampleOnLight(q.ask.y, head, 1.0, q.bits, key, 0u, surfaceOf(q), l)) return nothing();
-    return LightAnswer(vec4(l.wi, l.pdf), vec4(l.radiance, 1), vec4(0));
+    float distance = l.infinite ? INFINITY : length(l.target - q.position.xyz);
+    return LightAnswer(vec4(l.wi, l.pdf), vec4(l.radiance, 1), vec4(distance, 0, 0, 0));
 }
 
 LightAnswer pdfAlong(LightQuery q) {
@@ -44,6 +45,7 @@ LightAnswer pdfAlong(LightQuery q) {
     vec3 d = q.direction.xyz;
     LightAnswer a = nothing();
     a.wi = vec4(d, 0);
+    a.chosen.x = INFINITY;
     if (type == LIGHT_ENVIRONMENT) {
         a.wi.w = environmentAlong(d).a;
     } else if (type == LIGHT_SUN) {
@@ -53,11 +55,15 @@ LightAnswer pdfAlong(LightQuery q) {
         Hit hit;
         Ray ray = Ray(q.position.xyz, 0.0, d, INFINITY, kNoPrimitive, 0u);
         if (!closestHit(ray, hit)) return a;
+        a.chosen.x = hit.t;
         Surface s = surfaceAt(hit, ray);
         uint light = LOAD(primitiveLightTexels, s.primitive >> 2u)[s.primitive & 3u];
-        if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace))
-            a.wi.w = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d))) /
-                     uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z);
+        a.chosen.y = light == q.ask.y ? 1.0 : 0.0;
+        if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace)) {
+            float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), q.position.xyz, q.normal.xyz);
+            float pdf = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d)));
+            a.wi.w = pmf > 0.0 ? pdf / pmf : -1.0;
+        }
     }
     return a;
 }

@@ -15,6 +15,8 @@ public:
     LightProbe(const gpu::Device& device, const Scene& scene, const RenderSettings& settings = {});
     std::vector<LightAnswer> ask(std::vector<LightQuery> queries);
     uint32_t lightCount() const { return scene_.lightCount; }
+    /// World space position from which the kernels measure.
+    const glm::dvec3& centre() const { return centre_; }
 
 private:
     LightProbe(const gpu::Device& device, const Scene& scene, const WorldGeometry& world,
