@@ -131,6 +131,8 @@ Facets facetsAt(MaterialPoint m) {
         f.alpha.x = m.alphaT;
         // One axis alone cannot be a mirror.
         if (m.alphaT >= ALPHA_DELTA) f.alpha.y = max(f.alpha.y, ALPHA_DELTA);
+        // Phong's facets are not stretched, nor may be what draws them.
+        if (isPhong(f)) f.alpha = vec2(meanAlpha(f));
     }
     return f;
 }

@@ -16,11 +16,11 @@ bool isPhong(Facets f) { return has(FEATURE_PHONG) && (f.flags & MATERIAL_PHONG)
 bool isBeckmann(Facets f) { return has(FEATURE_BECKMANN) && (f.flags & MATERIAL_BECKMANN) != 0u; }
 bool isStretched(Facets f) { return has(FEATURE_ANISOTROPY) && f.alpha.x != f.alpha.y; }
 
-// The one α that stands for both where a model knows one, Phong's: the root of the mean square.
+// The one α that stands for both where a model knows one, Phong's and the tables': the root of the mean square.
 float meanAlpha(Facets f) { return isStretched(f) ? sqrt(0.5 * dot(f.alpha, f.alpha)) : f.alpha.y; }
 
 // How far the table of isotropic albedos is from a stretched surface: 0 for one that is not.
-float stretchOf(Facets f) { return isStretched(f) && !isPhong(f) ? 1.0 - min(f.alpha.x, f.alpha.y) / max(f.alpha.x, f.alpha.y) : 0.0; }
+float stretchOf(Facets f) { return isStretched(f) ? 1.0 - min(f.alpha.x, f.alpha.y) / max(f.alpha.x, f.alpha.y) : 0.0; }
 
 // Roughness in the plane of w and the normal.
 float alphaInPlane(Facets f, vec3 w) {
@@ -36,7 +36,7 @@ float alphaInPlane(Facets f, vec3 w) {
 float stretchedAlpha(Facets f, vec3 w) { return alphaInPlane(f, w) * (1.0 - 0.5 * stretchOf(f)); }
 
 float facetD(Facets f, vec3 h) {
-    if (isPhong(f)) return phongD(h, meanAlpha(f));
+    if (isPhong(f)) return phongD(h, f.alpha.y);
     if (isBeckmann(f)) return beckmannD(h, f.alpha);
     return isStretched(f) ? ggxD(h, f.alpha) : ggxD(h, f.alpha.y);
 }
@@ -46,7 +46,7 @@ float facetStretch(Facets f, vec3 w) { return isStretched(f) ? ggxStretch(w, f.a
 // Height-correlated masking and shadowing over 4 cosθo cosθi.
 float facetVisibility(Facets f, vec3 wo, vec3 wi) {
     if (isPhong(f) || isBeckmann(f)) {
-        float lambda = isPhong(f) ? phongLambda(wo, meanAlpha(f)) + phongLambda(wi, meanAlpha(f))
+        float lambda = isPhong(f) ? phongLambda(wo, f.alpha.y) + phongLambda(wi, f.alpha.y)
                                   : beckmannLambda(wo, f.alpha) + beckmannLambda(wi, f.alpha);
         float cosines = 4.0 * abs(wo.z * wi.z) * (1.0 + lambda);
         return cosines > 0.0 ? 1.0 / cosines : 0.0;

@@ -50,14 +50,19 @@ vec3 filmReflectance(float cosTheta, float filmIor, float thickness, vec3 base) 
     return clamp(sum, 0.0, 1.0);
 }
 
-// Bound on the reflectance at normal incidence of any thickness: both interfaces' amplitudes in phase.
+// Bound on the reflectance at normal incidence of any thickness: both interfaces' amplitudes in phase. A red of Rec. 709
+// swings by up to 2.1 times as much around the mean, since its response is negative where blue and green are; the others
+// by 1.1 times. (Measured over indices from 1 to 3, bases up to 0.95 and all thicknesses up to 2000 nm.)
 vec3 filmEnvelope(float filmIor, vec3 base) {
     float first = sqrt(fresnelNormal(filmIor));
     vec3 root = sqrt(clamp(base, 0.0, 0.9999));
     vec3 baseIor = (1.0 + root) / (1.0 - root);
     vec3 second = abs(baseIor - filmIor) / (baseIor + filmIor);
-    vec3 amplitude = (first + second) / (1.0 + first * second);
-    return amplitude * amplitude;
+    vec3 product = first * second;
+    vec3 amplitude = (first + second) / (1.0 + product);
+    float r12 = first * first, t12 = 1.0 - r12;
+    vec3 mean = r12 + t12 * t12 * second * second / (1.0 - product * product);
+    return min(mean + vec3(2.2, 1.12, 1.12) * (amplitude * amplitude - mean) + vec3(0.012, 0.007, 0.007), 1.0);
 }
 
 #endif

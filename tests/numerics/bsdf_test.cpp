@@ -171,6 +171,16 @@ std::vector<SeenMaterial> materialsThatGaveTooMuch() {
           .iridescenceIor = 3,
           .iridescenceThickness = 400},
          wo(1)},
+        // A film's red, which swings further than its amplitudes [1.02].
+        {{.baseColor = white,
+          .alpha = 1,
+          .specularColor = {19, 1, 1},
+          .iridescence = 0.62f,
+          .iridescenceIor = 2.14f,
+          .iridescenceThickness = 420},
+         wo(0.22)},
+        // Phong's facets drawn as if they were stretched [1.01].
+        {{.alpha = 0, .alphaT = 0.005f, .transmission = 1, .flags = kPhong}, wo(0.67)},
         // Dispersed channels with the tables of the mean index [1.02].
         {{.alpha = 1, .transmission = 1, .dispersion = 8}, wo(1)},
         // Dark specular colours on a high index, whose curve magnified the tables' digits [2.6], and a bright
