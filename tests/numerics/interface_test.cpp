@@ -1,4 +1,4 @@
-// Cases 18, 20, 22, 23, 27 and 28, of layers, stretched facets, specular colour, and metals of measured
+// Cases 20, 22, 23, 27 and 28, of layers, stretched facets, specular colour, and metals of measured
 // index.
 #include <cmath>
 #include <complex>
@@ -22,40 +22,7 @@ constexpr uint64_t kTinted = kFacets | gpu::bit(gpu::FEATURE_SPECULAR_COLOR);
 constexpr uint64_t kConductor = kFacets | gpu::bit(gpu::FEATURE_CONDUCTOR);
 constexpr uint64_t kCoated = kFacets | gpu::bit(gpu::FEATURE_CLEARCOAT);
 
-double cosineOf(double degrees) {
-    return std::cos(degrees * pi / 180);
-}
-
 class HardInterface : public LobeTest {};
-
-// ---- 18
-
-void expectStretchedLobes(HardInterface&, const std::function<void(const LobeRow&, double)>& check,
-                          const std::vector<float>& alphas, const std::vector<double>& degrees) {
-    for (const float alpha : alphas)
-        for (const float ratio : {4.0f, 25.0f}) {
-            const float along = std::min(alpha * ratio, 1.0f);
-            for (const double angle : degrees) {
-                check({"metal", {.metallic = 1, .alpha = alpha, .alphaT = along}, kStretched}, angle);
-                for (const float side : {1.0f, 0.0f})
-                    check({"glass",
-                           {.alpha = alpha, .alphaT = along, .transmission = 1, .frontFace = side},
-                           kStretched},
-                          angle);
-            }
-        }
-}
-
-TEST_F(HardInterface, HardCase18_DirectionsOfStretchedFacetsFollowThePdf) {
-    expectStretchedLobes(*this,
-                         [&](const LobeRow& row, double angle) { expectChiSquare(row, cosineOf(angle)); },
-                         {1e-3f, 0.1f}, {0, 60, 89});
-}
-TEST_F(HardInterface, FullHardCase18_DirectionsOfStretchedFacetsFollowThePdf) {
-    expectStretchedLobes(*this,
-                         [&](const LobeRow& row, double angle) { expectChiSquare(row, cosineOf(angle)); },
-                         {1e-3f, 0.01f, 0.05f, 0.1f, 0.3f}, {0, 30, 60, 80, 85, 89, 89.9});
-}
 
 // ---- 20
 
@@ -77,59 +44,6 @@ TEST_F(HardInterface, HardCase20_CompensatedFacetsReturnAllLight) {
 }
 
 // ---- 22
-
-/// Pairs of directions where the lobe is: wi is drawn, and goes back from there. f(i, o) = f(o, i), times the
-/// squares of the indices across a surface. Relative, so that it says something where α is small.
-void expectReciprocityAtTheHighlight(const gpu::Device&, BsdfProbe& probe, const LobeRow& row, double eta,
-                                     double tolerance) {
-    std::mt19937 random(22);
-    std::uniform_real_distribution<float> u(0, 1);
-    std::vector<BsdfQuery> draws, there, back;
-    for (int i = 0; i < 2000; ++i)
-        draws.push_back(drawQuery(row.material, directionAt(0.1 + 0.9 * u(random), 7 * u(random)),
-                                  {u(random), u(random), u(random)}));
-    const auto drawn = probe.ask(draws);
-    ProbeMaterial otherSide = row.material;
-    otherSide.frontFace = 1 - otherSide.frontFace;
-    std::vector<double> scale;
-    for (size_t i = 0; i < drawn.size(); ++i) {
-        const glm::vec3 wo(draws[i].wo), wi(drawn[i].wi);
-        if (drawn[i].value.w != 1 || std::abs(wi.z) < 0.02f) continue;
-        const bool across = wi.z < 0;
-        const glm::vec3 flip(1, 1, across ? -1 : 1);
-        there.push_back(evalQuery(row.material, wo, wi));
-        back.push_back(evalQuery(across ? otherSide : row.material, wi * flip, wo * flip));
-        scale.push_back(across ? eta * eta : 1);
-    }
-    ASSERT_GT(there.size(), 1000u) << row.name;
-    const auto f = probe.ask(there), g = probe.ask(back);
-    for (size_t i = 0; i < f.size(); ++i) {
-        const double forth = scale[i] * f[i].value.x / std::abs(double{there[i].other.z}),
-                     reverse = double{g[i].value.x} / std::abs(double{back[i].other.z});
-        const double off = std::abs(forth - reverse) / std::max(forth, reverse);
-        recordWorst(row.name, off);
-        ASSERT_LE(off, tolerance) << row.name << " alpha " << row.material.alpha << ": " << forth << " and "
-                                  << reverse;
-    }
-}
-
-TEST_F(HardInterface, HardCase22_ReciprocityOfSmoothFacetsAndOfTheCoat) {
-    for (const float alpha : {1e-3f, 0.01f, 0.3f}) {
-        expectReciprocityAtTheHighlight(device, probe(kFacets),
-                                        {"metal", {.metallic = 1, .alpha = alpha}, kFacets}, 1, 1e-4);
-        // The coat over nothing: what dims the layers below by one direction alone (README) is not in it.
-        const ProbeMaterial coat{.baseColor = glm::vec3(0),
-                                 .alpha = alpha,
-                                 .ior = 1,
-                                 .flags = float(gpu::MATERIAL_THIN),
-                                 .clearcoat = 1,
-                                 .clearcoatAlpha = alpha};
-        expectReciprocityAtTheHighlight(device, probe(kCoated), {"coat", coat, kCoated}, 1, 1e-4);
-    }
-    for (const float alpha : {0.01f, 0.3f})
-        expectReciprocityAtTheHighlight(device, probe(kFacets),
-                                        {"glass", {.alpha = alpha, .transmission = 1}, kFacets}, 1.5, 1e-4);
-}
 
 TEST_F(HardInterface, HardCase22_RoughnessOf1e4IsAMirrorBothWays) {
     // α = 1e-8, a delta lobe: there and back with the same reflectance.

@@ -64,11 +64,27 @@ inline void expectSameMean(const Mean& a, const Mean& b, double slack = 0) {
     expectMean({a.value - b.value, std::hypot(a.sigma, b.sigma)}, 0, slack + 1e-6 * std::abs(a.value));
 }
 
-/// p-value of a χ² statistic (Wilson, Hilferty 1931: the cube root is nearly normal).
+/// p-value of a χ² statistic: the regularised incomplete gamma function Q(degrees / 2, statistic / 2), by its
+/// series or by Lentz's continued fraction (Press et al., Numerical Recipes, 6.2). Relative error ≤ 1e-9.
 inline double chiSquareTail(double statistic, double degrees) {
-    const double k = 2 / (9 * degrees);
-    const double z = (std::cbrt(statistic / degrees) - (1 - k)) / std::sqrt(k);
-    return 0.5 * std::erfc(z / std::numbers::sqrt2);
+    const double a = degrees / 2, x = statistic / 2;
+    if (!(x > 0)) return 1;
+    const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+    if (x < a + 1) {
+        double term = 1 / a, sum = term;
+        for (double n = a + 1; term > 1e-12 * sum; ++n) sum += term *= x / n;
+        return 1 - front * sum;
+    }
+    double b = x + 1 - a, c = 1e300, d = 1 / b, h = d;
+    for (int n = 1; n < 10'000; ++n) {
+        const double an = -n * (n - a);
+        b += 2;
+        d = 1 / (an * d + b);
+        c = b + an / c;
+        h *= d * c;
+        if (std::abs(d * c - 1) < 1e-12) break;
+    }
+    return front * h;
 }
 
 /// Observed counts against expected ones; bins that expect less than five are pooled.

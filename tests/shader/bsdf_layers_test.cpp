@@ -134,7 +134,7 @@ TEST_F(BsdfLayersTest, DirectionsFollowThePdf) {
         }
         for (const LobeRow& row : {tiltedCoat(0.5f), sheen(0.1f), sheen(0.7f), disneySheen(0, kBlack),
                                    disneyDiffuse(0.5f, 0.5f), orenNayar(0.5f), leaf(0.4f)})
-            expectChiSquare(row, cosTheta, false);
+            expectChiSquare(row, cosTheta);
     }
 }
 

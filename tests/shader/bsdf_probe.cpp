@@ -34,6 +34,14 @@ InterfaceKind kindOf(const ProbeMaterial& m) {
     return kind;
 }
 
+/// Kept, since every mask of features has a probe of its own.
+const std::vector<glm::vec4>& tablesOf(const InterfaceKind& kind, float dispersion) {
+    static std::map<std::pair<InterfaceKind, float>, std::vector<glm::vec4>> kept;
+    const auto [at, isNew] = kept.try_emplace({kind, dispersion});
+    if (isNew) at->second = dispersion > 0 ? dispersedTables(kind, dispersion) : interfaceTables(kind);
+    return at->second;
+}
+
 std::vector<gpu::TexelBuffer> makeTexels(const gpu::Device& device, const std::vector<glm::vec4>& tables) {
     std::vector<gpu::TexelBuffer> texels;
     for (uint32_t binding = 0; binding < gpu::BINDING_PARAMETERS; ++binding) {
@@ -99,8 +107,7 @@ void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
             const float dispersion = kind.solid ? material.dispersion : 0;
             const auto [at, isNew] = tableOfInterface_.try_emplace({kind, dispersion}, 0.0f);
             if (isNew) {
-                const auto tables =
-                    dispersion > 0 ? dispersedTables(kind, dispersion) : interfaceTables(kind);
+                const auto& tables = tablesOf(kind, dispersion);
                 at->second = static_cast<float>(tables_.size() / kTableTexels +
                                                 (dispersion > 0 ? kDispersedTablesBeforeNamed : 0));
                 tables_.insert(tables_.end(), tables.begin(), tables.end());

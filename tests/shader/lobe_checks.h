@@ -4,9 +4,12 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/shader/bsdf_probe_runner.h"
 #include "tests/shader/device_fixture.h"
+#include "tests/shader/lobe_histogram.h"
 
 namespace tilefarm {
 
@@ -41,16 +44,18 @@ protected:
     /// No more light leaves than comes: energy ≤ 1 at grazing to normal incidence (and ≥ `least`).
     void expectEnergy(const LobeRow& row, double most = 1.005, double least = 0);
 
-    /// Samples carry the weight and pdf that evaluation gives, to 1e-3.
+    /// Samples carry the weight and pdf that evaluation gives, to 1e-4.
     void expectAgreement(const LobeRow& row);
 
-    /// f(wo, wi) = f(wi, wo), across a refracting interface times eta², to 1e-3.
+    /// f(wo, wi) = f(wi, wo), across a refracting interface times eta², to 1e-4.
     void expectReciprocity(const LobeRow& row);
 
-    /// χ² of sampled directions against the pdf (p > 1e-4 by Wilson and Hilferty), what is rejected
-    /// included. The histogram is in slopes of the half vector, scaled by α, which resolves any α; without
-    /// `facets` in direction space.
-    void expectChiSquare(const LobeRow& row, double cosTheta, bool facets = true);
+    /// χ² of sampled directions against the pdf (lobe_histogram.h). At the end of the test the smallest p of
+    /// all its histograms has to be above 0.01 with Šidák's correction for their number.
+    void expectChiSquare(const LobeRow& row, double cosTheta, double phi = 0.4);
+
+    /// Takes in another comparison by chance, of that name.
+    void compare(const ChiSquare& found, const std::string& name);
 
     /// Grazing directions and extreme random numbers give finite answers and pdfs ≥ 0.
     void expectFinite(const LobeRow& row);
@@ -58,7 +63,13 @@ protected:
     /// All of the above but χ².
     void expectSoundLobe(const LobeRow& row, bool reciprocal = true);
 
+    void TearDown() override;
+
+    /// Histograms of all tests that are parts of one case; 0: those of this test.
+    size_t familySize = 0;
+
 private:
+    std::vector<std::pair<double, std::string>> comparisons_;  // p-values and what they are of
     std::map<uint64_t, std::unique_ptr<BsdfProbe>> probes_;
 };
 
