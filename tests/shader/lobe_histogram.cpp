@@ -130,6 +130,9 @@ glm::dvec2 scaleOf(const ProbeMaterial& m) {
     constexpr double least = ALPHA_DELTA;
     glm::dvec2 alpha(std::max<double>(m.alphaT < 0 ? m.alpha : m.alphaT, least),
                      std::max<double>(m.alpha, least));
+    // Phong's are as round as they can be.
+    if ((static_cast<uint32_t>(m.flags) & gpu::MATERIAL_PHONG) != 0)
+        alpha = glm::dvec2(std::sqrt(0.5 * glm::dot(alpha, alpha)));
     if (m.clearcoat > 0) alpha = glm::min(alpha, glm::dvec2(std::max<double>(m.clearcoatAlpha, least)));
     return alpha;
 }
