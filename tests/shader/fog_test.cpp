@@ -307,7 +307,8 @@ TEST_F(FogTest, OfAnyDensityIsFiniteFromAnywhere) {
             renderer.setScenes(1, [&](uint32_t) -> const Scene& { return scene; });
             for (const double z : {3., 0.2, 1.}) {  // outside of the box, inside, on its face
                 renderer.setCamera({{cameraAtZ(z)}, std::nullopt});
-                for (const PassPixel& pixel : renderer.render(0, allTiles(square(8)), {0, 2}).front().pixels)
+                const auto films = renderer.render(0, allTiles(square(8)), {0, 2});
+                for (const PassPixel& pixel : films.front().pixels)
                     for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(pixel.mean[c]));
             }
         }
