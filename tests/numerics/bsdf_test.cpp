@@ -253,6 +253,18 @@ TEST_F(HardLobe, HardCase21_WeakFurnace) {
         }
 }
 
+TEST_F(HardLobe, HardCase22_BlackMetalReflectsTowardsItsNormal) {
+    // Black reflects nothing along the normal, for which its facets were left out there, not the other way
+    // round.
+    LobeRow black = metal(0.03f);
+    black.material.baseColor = glm::vec3(0);
+    const glm::vec3 n(0, 0, 1), w = directionAt(0.09);
+    const double there = double{evaluate(black, n, w).value.x} / double{w.z},
+                 back = double{evaluate(black, w, n).value.x};
+    EXPECT_GT(back, 0);
+    EXPECT_NEAR(there, back, 1e-4 * back);
+}
+
 TEST_F(HardLobe, HardCase23_RoughnessTowardsZero) {
     double last = 0;
     for (const float alpha : {1.0f, 0.3f, 0.1f, 0.03f, 0.01f, 3e-3f, 1e-3f}) {
