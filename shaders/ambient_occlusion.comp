@@ -1,6 +1,7 @@
 #version 460
 // Share of the hemisphere above the first surface, weighted by the cosine, that nothing hides within a distance.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
 #include "integrators/first_surface.glsl"

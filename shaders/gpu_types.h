@@ -244,8 +244,7 @@ GPU_CONSTANT CAMERA_KEY_VECTORS = 3;
 #define CAMERA_PANORAMA 2.0
 
 // Words of the counter buffer, zeroed before every dispatch.
-GPU_CONSTANT COUNTER_RAYS = 0;
-GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 1;
+GPU_CONSTANT COUNTER_DROPPED_SAMPLES = 0;
 GPU_CONSTANT COUNTER_RECORDED = 2;      // dropped samples that had a place below, and those that had none
 GPU_CONSTANT COUNTER_FIRST_DROPPED = 4; // of the first of them: pixel (x + 65536 y), sample index
 GPU_CONSTANT RECORDED_SAMPLES = 8;
@@ -254,9 +253,14 @@ GPU_CONSTANT COUNTER_COUNT = COUNTER_FIRST_DROPPED + 2 * RECORDED_SAMPLES;
 GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or in too many solids
 GPU_CONSTANT TILE_TRUNCATED = 1;  // paths that still carried light where the bounce limit ended them
 GPU_CONSTANT TILE_CLAMPED = 2;    // samples that FEATURE_CLAMP bounded
-GPU_CONSTANT TILE_CLAMPED_RADIANCE = 3;      // bits of a float: luminance that it took away, summed over samples
-GPU_CONSTANT TILE_TRUNCATED_THROUGHPUT = 4;  // likewise: largest channel of what truncated paths carried
-GPU_CONSTANT TILE_COUNTERS = 5;
+// Sums in fixed point: SUM_LIMBS words that count 2^-32, 2^-20, 2^-8 … (shaders/counters.glsl).
+GPU_CONSTANT SUM_LIMB_BITS = 12;
+GPU_CONSTANT SUM_LIMBS = 6;
+#define EXACT_SUM_LARGEST 2147483648.0       // of one term: 2^31
+GPU_CONSTANT TILE_CLAMPED_RADIANCE = 3;      // luminance that FEATURE_CLAMP took away, summed over samples
+GPU_CONSTANT TILE_TRUNCATED_THROUGHPUT = TILE_CLAMPED_RADIANCE + SUM_LIMBS;  // largest channel of what truncated paths carried
+GPU_CONSTANT TILE_RAYS = TILE_TRUNCATED_THROUGHPUT + SUM_LIMBS;
+GPU_CONSTANT TILE_COUNTERS = TILE_RAYS + SUM_LIMBS;
 
 // For debugging: bits beyond FEATURE_COUNT, which nothing calls for and no report names.
 GPU_CONSTANT FEATURE_TRACE = 62;           // writes what a path meets behind the films: TRACE_TEXELS a bounce

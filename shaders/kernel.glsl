@@ -11,11 +11,12 @@ layout(push_constant) uniform PassBlock { PassConstants pass; };
 layout(std430, binding = BINDING_TILES) readonly buffer Tiles { uvec4 tiles[]; };
 layout(std430, binding = BINDING_FILM) buffer Film { vec4 film[]; };
 layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
+#include "counters.glsl"
 
 uint rayCount = 0u;
 // Of paths, see TILE_* in gpu_types.h.
 uint rejectedCount = 0u, truncatedCount = 0u, clampedCount = 0u;
-float truncatedThroughput = 0.0, clampedRadiance = 0.0;
+ExactSum truncatedThroughput = ExactSum(0u, 0u), clampedRadiance = ExactSum(0u, 0u);
 
 bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "intersect.glsl"

@@ -4,6 +4,7 @@
 // function is sampled, both weighted by the power heuristic unless the settings leave one of them out. Without bias but
 // for the bounce limit that the job sets.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
 #include "path/direct_light.glsl"
@@ -86,7 +87,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, inFog ? flight.reach : hit.t, path, s.primitive);
         if (path.bounce >= parameters.path.x) {
             truncatedCount++;
-            truncatedThroughput += maxComponent(path.throughput);
+            add(truncatedThroughput, maxComponent(path.throughput));
             break;
         }
 
@@ -115,7 +116,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
     if (has(FEATURE_TRACE)) recordStep(path.bounce + 1u, path.ray.origin, -1.0, path, NO_INDEX);
     if (has(FEATURE_CLAMP) && path.clamped > 0.0) {
         clampedCount++;
-        clampedRadiance += path.clamped;
+        add(clampedRadiance, path.clamped);
     }
     result.radiance = path.radiance;
     return result;

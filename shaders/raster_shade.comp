@@ -2,6 +2,7 @@
 // Colours what the raster pipeline saw: Phong's shading by lights that nothing hides, the environment's irradiance and
 // its mirror image. An instant preview, the cheap end of the scale of accuracy.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
 #include "integrators/ambient.glsl"

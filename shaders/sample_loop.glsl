@@ -13,16 +13,6 @@ PathSample renderSample(uvec2 pixel, SampleKey key) {
 }
 #endif
 
-// Adds to a counter that holds the bits of a float. The order of additions, and so the rounding, is that of chance:
-// for reports only.
-void addToCounter(uint counter, float value) {
-    uint expected, found = counters[counter];
-    do {
-        expected = found;
-        found = atomicCompSwap(counters[counter], expected, floatBitsToUint(uintBitsToFloat(expected) + value));
-    } while (found != expected);
-}
-
 void main() {
     uvec2 inTile = gl_GlobalInvocationID.xy;
     uvec4 tile = tiles[gl_WorkGroupID.z];
@@ -58,16 +48,16 @@ void main() {
         }
     }
     storePixel(at, result);
-    atomicAdd(counters[COUNTER_RAYS], rayCount);
-    if (dropped != 0u) atomicAdd(counters[COUNTER_DROPPED_SAMPLES], dropped);
+    if (dropped != 0u) addToCounter(COUNTER_DROPPED_SAMPLES, dropped);
     uint ofTile = COUNTER_COUNT + gl_WorkGroupID.z * TILE_COUNTERS;
-    if (rejectedCount != 0u) atomicAdd(counters[ofTile + TILE_REJECTED], rejectedCount);
+    addToCounter(ofTile + TILE_RAYS, ExactSum(rayCount, 0u));
+    if (rejectedCount != 0u) addToCounter(ofTile + TILE_REJECTED, rejectedCount);
     if (truncatedCount != 0u) {
-        atomicAdd(counters[ofTile + TILE_TRUNCATED], truncatedCount);
+        addToCounter(ofTile + TILE_TRUNCATED, truncatedCount);
         addToCounter(ofTile + TILE_TRUNCATED_THROUGHPUT, truncatedThroughput);
     }
     if (has(FEATURE_CLAMP) && clampedCount != 0u) {
-        atomicAdd(counters[ofTile + TILE_CLAMPED], clampedCount);
+        addToCounter(ofTile + TILE_CLAMPED, clampedCount);
         addToCounter(ofTile + TILE_CLAMPED_RADIANCE, clampedRadiance);
     }
 }

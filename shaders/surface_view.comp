@@ -1,6 +1,7 @@
 #version 460
 // What the first surface is, shown as a picture: one of VIEW_*.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
 #include "integrators/first_surface.glsl"

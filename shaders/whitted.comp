@@ -3,6 +3,7 @@
 // Phong's. No light from surface to surface but by mirrors; the environment lights matte surfaces unhidden. Free of
 // noise, and wrong in ways that everybody knows.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
 #include "integrators/ambient.glsl"

@@ -169,6 +169,31 @@ TEST_F(PathRulesTest, TruncatedPathsReportWhatTheyCarried) {
     EXPECT_NEAR(film.faults.truncatedThroughput, 8 * 32 * 32 * 0.125, 1e-2);
 }
 
+TEST_F(PathRulesTest, ReportsRepeatToTheBitWhateverTheTiles) {
+    const Scene scene = room();
+    const Camera camera = cameraAt({0, -0.3, 0.95}, {0, -0.6, -0.2}, 1.4);
+    RenderSettings settings = bounces(3);
+    settings.clampDirect = settings.clampIndirect = 0.3;
+    const auto stats = [&](uint32_t tile, std::vector<uint32_t> passes) {
+        const ImageSpec image = square(64, tile);
+        Renderer renderer(device, scene, camera, image, settings);
+        uint32_t first = 0;
+        for (const uint32_t count : passes) {
+            renderer.render(0, allTiles(image), {first, count});
+            first += count;
+        }
+        return renderer.stats();
+    };
+    const RenderStats once = stats(64, {8});
+    EXPECT_GT(once.faults.truncatedThroughput, 0);
+    EXPECT_GT(once.faults.clampedLuminance, 0);
+    for (const uint32_t tile : {64u, 32u, 8u}) {
+        const RenderStats again = stats(tile, {1, 3, 4});
+        EXPECT_EQ(again.faults, once.faults) << tile;
+        EXPECT_EQ(again.rays, once.rays) << tile;
+    }
+}
+
 /// A floor of albedo 1/2 under a lamp of 1 W/sr at height 2, which a large board at height 1 hides.
 Scene shadowed(bool withBoard) {
     Scene scene;

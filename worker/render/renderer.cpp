@@ -5,10 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "shared/error/error.h"
 #include "worker/render/camera_parameters.h"
+#include "worker/render/dispatch_counts.h"
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
 #include "worker/render/integrators.h"
@@ -104,7 +104,7 @@ private:
     void uploadTiles(std::span<const uint32_t> tiles);
     std::vector<uint32_t> dispatch(const Moment& moment, uint32_t tileCount,
                                    const gpu::PassConstants& constants);
-    void countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
+    void countFaults(const DispatchCounts& counts, std::span<const uint32_t> tiles,
                      std::span<PassFaults> faults);
     bool traces() const { return (wanted & kernel.shows & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
     uint64_t filmBytes() const;
@@ -128,8 +128,7 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
                    : static_cast<uint32_t>(std::clamp<uint64_t>(kFilmBytes / tileBytes(), 1, grid.count()))),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
       filmBuffer(on, filmBytes(), "film"),
-      counterBuffer(on, sizeof(uint32_t) * (gpu::COUNTER_COUNT + gpu::TILE_COUNTERS * tilesPerBatch),
-                    "counters") {
+      counterBuffer(on, sizeof(uint32_t) * DispatchCounts::words(tilesPerBatch), "counters") {
     if (kernel.draws) raster.emplace(device, image);
     setScenes(1, [&](uint32_t) -> const Scene& { return source; });
 }
@@ -247,34 +246,17 @@ uint64_t Renderer::Impl::filmBytes() const {
     return tileBytes() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
 }
 
-// A float's bits; a sum that left the floats counts as the largest of them.
-double finite(uint32_t bits) {
-    const auto sum = std::bit_cast<float>(bits);
-    return std::isfinite(sum) ? sum : std::numeric_limits<float>::max();
-}
-
 // Of one dispatch; `faults` by tile of the batch.
-void Renderer::Impl::countFaults(std::span<const uint32_t> counts, std::span<const uint32_t> tiles,
+void Renderer::Impl::countFaults(const DispatchCounts& counts, std::span<const uint32_t> tiles,
                                  std::span<PassFaults> faults) {
-    const std::span ofTiles = counts.subspan(gpu::COUNTER_COUNT);
-    const uint32_t recorded = std::min(counts[gpu::COUNTER_RECORDED], gpu::RECORDED_SAMPLES);
-    for (uint32_t i = 0; i < recorded; ++i) {
-        const uint32_t* record = &counts[gpu::COUNTER_FIRST_DROPPED + 2 * i];
-        const uint32_t x = record[0] & 0xffffu, y = record[0] >> 16;
-        const uint32_t tile = y / image.tileSize * grid.columns + x / image.tileSize;
+    counts.forEachDropped([&](const DroppedSample& dropped) {
+        const uint32_t tile = dropped.y / image.tileSize * grid.columns + dropped.x / image.tileSize;
         const auto at = std::find(tiles.begin(), tiles.end(), tile) - tiles.begin();
         PassFaults one;
-        one.dropped.push_back({x, y, record[1]});
+        one.dropped.push_back(dropped);
         faults[static_cast<size_t>(at)].add(one);
-    }
-    for (size_t i = 0; i < faults.size(); ++i) {
-        const uint32_t* tile = &ofTiles[i * gpu::TILE_COUNTERS];
-        faults[i].rejectedPaths += tile[gpu::TILE_REJECTED];
-        faults[i].truncatedPaths += tile[gpu::TILE_TRUNCATED];
-        faults[i].truncatedThroughput += finite(tile[gpu::TILE_TRUNCATED_THROUGHPUT]);
-        faults[i].clampedSamples += tile[gpu::TILE_CLAMPED];
-        faults[i].clampedLuminance += finite(tile[gpu::TILE_CLAMPED_RADIANCE]);
-    }
+    });
+    for (size_t i = 0; i < faults.size(); ++i) counts.addTile(i, faults[i]);
 }
 
 // Gives the counters.
@@ -287,14 +269,14 @@ std::vector<uint32_t> Renderer::Impl::dispatch(const Moment& moment, uint32_t ti
         raster->add(run, *pipeline, moment.bindings, constants, moment.vertices, groups, tileCount);
     else
         run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
-    const size_t counters = run.read(counterBuffer);
+    const size_t counters = run.read(counterBuffer, 0, sizeof(uint32_t) * DispatchCounts::words(tileCount));
     gpu::Submission submission = run.submit();
     stats.deviceSeconds += submission.wait();
     const std::span<const std::byte> bytes = submission.bytes(counters);
     std::vector<uint32_t> counts(bytes.size() / sizeof(uint32_t));
     std::memcpy(counts.data(), bytes.data(), bytes.size());
-    stats.rays += counts[gpu::COUNTER_RAYS];
-    stats.droppedSamples += counts[gpu::COUNTER_DROPPED_SAMPLES];
+    stats.rays += DispatchCounts(counts).rays();
+    stats.droppedSamples += DispatchCounts(counts).droppedSamples();
     return counts;
 }
 
@@ -334,12 +316,14 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     uint32_t continued = 0;
     for (uint32_t i = 0; i < std::min(moment, samples.count); ++i) {
         const uint32_t first = samples.first + i, count = (samples.count - i + moment - 1) / moment;
-        for (uint32_t done = 0; done < count; done += step, continued = 1)
-            countFaults(dispatch(moments[shutterStep(first, moment, settings.seed, frame)],
-                                 static_cast<uint32_t>(tiles.size()),
-                                 {first + done * moment, std::min(step, count - done), moment, continued,
-                                  image.tileSize, 0}),
-                        tiles, faults);
+        for (uint32_t done = 0; done < count; done += step, continued = 1) {
+            const gpu::PassConstants pass{
+                first + done * moment, std::min(step, count - done), moment, continued, image.tileSize, 0};
+            const std::vector<uint32_t> counts =
+                dispatch(moments[shutterStep(first, moment, settings.seed, frame)],
+                         static_cast<uint32_t>(tiles.size()), pass);
+            countFaults(DispatchCounts(counts), tiles, faults);
+        }
     }
     stats.samples += pixels * samples.count;
 

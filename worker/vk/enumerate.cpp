@@ -53,6 +53,13 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& physical,
             return bool(family.queueFlags & vk::QueueFlagBits::eCompute);
         }))
         return "it has no compute queue";
+    // What a dispatch counts is added up by subgroups first (shaders/counters.glsl).
+    const auto subgroup =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
+            .get<vk::PhysicalDeviceSubgroupProperties>();
+    if (!(subgroup.supportedStages & vk::ShaderStageFlagBits::eCompute) ||
+        !(subgroup.supportedOperations & vk::SubgroupFeatureFlagBits::eArithmetic))
+        return "its compute kernels cannot add up over subgroups";
     const auto& limits = properties.limits;
     if (limits.maxPushConstantsSize < kPushConstantBytes || limits.maxUniformBufferRange < kUniformBytes)
         return "its limits are below what Vulkan demands";
