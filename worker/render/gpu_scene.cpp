@@ -22,7 +22,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 std::vector<bool> usedMaterials(const Scene& scene, const WorldGeometry& world) {
-    std::vector<bool> used(scene.materials.size() + world.lightMaterials.size());
+    std::vector<bool> used(world.materialCount(scene));
     for (const WorldInstance& instance : world.instances)
         if (instance.triangleCount > 0) used[instance.material] = true;
     for (const WorldShape& shape : world.shapes) used[shape.shape.material] = true;
@@ -119,9 +119,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     TexturePacker textures(scene);
     MaterialPacker materials(textures, settings);
     const std::vector<bool> used = usedMaterials(scene, world);
-    for (size_t i = 0; i < scene.materials.size(); ++i) materials.add(scene.materials[i], used[i]);
-    for (size_t i = 0; i < world.lightMaterials.size(); ++i)
-        materials.add(world.lightMaterials[i], used[scene.materials.size() + i]);
+    for (uint32_t i = 0; i < used.size(); ++i) materials.add(world.materialOf(scene, i), used[i]);
     GpuScene result;
     const PackedEnvironment environment = like ? PackedEnvironment{} : packEnvironment(scene.environment);
     takeEnvironment(result, environment, like);

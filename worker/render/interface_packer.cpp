@@ -14,7 +14,7 @@ Fresnel fresnelOf(const Material& m, const RenderSettings& settings) {
     return m.fresnel != Fresnel::exact ? m.fresnel : settings.fresnel;
 }
 
-bool isSolid(const Material& m) {
+bool refracts(const Material& m) {
     return m.transmission > 0 && m.thickness > 0;
 }
 
@@ -59,12 +59,12 @@ uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
     if (m.transmission > 0) features |= gpu::bit(gpu::FEATURE_TRANSMISSION);
     if (m.conductor && m.metallic > 0) features |= gpu::bit(gpu::FEATURE_CONDUCTOR);
     if (m.iridescence > 0) features |= gpu::bit(gpu::FEATURE_IRIDESCENCE);
-    if (m.dispersion > 0 && isSolid(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
+    if (m.dispersion > 0 && refracts(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
     return features;
 }
 
 InterfaceKind interfaceKind(const Material& m, const RenderSettings& settings) {
-    return {m.ior, microfacetsOf(m, settings), fresnelOf(m, settings), isSolid(m)};
+    return {m.ior, microfacetsOf(m, settings), fresnelOf(m, settings), refracts(m)};
 }
 
 void packInterface(gpu::MaterialRecord& record, const Material& m, const RenderSettings& settings) {
@@ -77,7 +77,7 @@ void packInterface(gpu::MaterialRecord& record, const Material& m, const RenderS
     record.roughness = m.roughness;
     record.ior = m.ior;
     record.transmission = m.transmission;
-    record.dispersion = isSolid(m) ? m.dispersion : 0;
+    record.dispersion = refracts(m) ? m.dispersion : 0;
     record.specular = m.specular;
     record.specularColor = m.specularColor;
     record.specularTint = m.specularTint;

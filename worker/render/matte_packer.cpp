@@ -6,12 +6,14 @@
 namespace tilefarm {
 namespace {
 
-// The last material of a scene is that of primitives without one, those behind it are of area lights.
+// The last material of a scene is that of primitives without one, those behind it are of area lights; then
+// come thin ones, which go by the name of what they stand for.
 std::vector<uint32_t> materialIds(const Scene& scene, const WorldGeometry& world) {
     std::vector<uint32_t> ids;
     for (size_t i = 0; i < scene.materials.size(); ++i)
         ids.push_back(matteId(materialName(scene.materials[i].name, i)));
     ids.resize(ids.size() + world.lightMaterials.size(), matteId(kLightMaterialName));
+    for (const ThinMaterial& thin : world.thinMaterials) ids.push_back(ids[thin.of]);
     return ids;
 }
 

@@ -7,10 +7,6 @@
 namespace tilefarm {
 namespace {
 
-bool isSolid(const Material& m) {
-    return m.thickness > 0 && (m.transmission > 0 || m.diffuseTransmission > 0) && !m.unlit;
-}
-
 bool within(const glm::dvec3& p, const glm::dvec3& lower, const glm::dvec3& upper) {
     return glm::all(glm::greaterThanEqual(p, lower)) && glm::all(glm::lessThanEqual(p, upper));
 }

@@ -59,6 +59,7 @@ struct GltfSource::Impl {
           animations(load, options.animation, options.loop),
           skins(parseSkins(load)) {
         scene.materials = parseMaterials(load, textures, options);
+        applyOverrides(scene, options.materials);
         meshes.emplace(load);
     }
 

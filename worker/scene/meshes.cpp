@@ -7,6 +7,7 @@
 
 #include "worker/scene/extensions.h"
 #include "worker/scene/mesh_repair.h"
+#include "worker/scene/open_surfaces.h"
 #include "worker/scene/tangents.h"
 
 namespace tilefarm {
@@ -14,6 +15,18 @@ namespace {
 
 /// Vertices stored this far apart, relative to the size of their mesh, start to show as noise.
 constexpr double kPrecisionWanted = 1e-5;
+
+constexpr const char* kOpenInstead =
+    "a surface of it is open (one plane, or a side is missing), so that it has no inside: thin-walled there, "
+    "which "
+    "refracts nothing and absorbs as one thickness does";
+
+void keepTriangles(Mesh& mesh, const std::vector<bool>& marks, bool kept) {
+    std::vector<glm::uvec3> triangles;
+    for (size_t i = 0; i < marks.size(); ++i)
+        if (marks[i] == kept) triangles.push_back(mesh.triangles[i]);
+    mesh.triangles = std::move(triangles);
+}
 
 }  // namespace
 
@@ -23,6 +36,7 @@ std::vector<double> numbersOf(const JsonNode& array) {
 
 Meshes::Meshes(LoadContext& load)
     : load_(load), meshes_(load.file.root()["meshes"]), usedMaterials_(load.scene.materials.size(), false) {
+    for (const Material& material : load.scene.materials) solid_.push_back(isSolid(material));
     for (size_t i = 0; i < meshes_.size(); ++i) {
         const JsonNode primitives = meshes_[i]["primitives"];
         for (size_t p = 0; p < primitives.size(); ++p) {
@@ -47,7 +61,36 @@ const Meshes::Source& Meshes::sourceOf(uint32_t index) {
             source.parts.push_back({std::move(*raw), primitives[i]});
         }
     }
+    separateOpen(source.parts);
     return source;
+}
+
+/// Splits primitives of solid materials into what encloses something and what does not. By what they are
+/// before morph targets and joints move them, which tear nothing.
+void Meshes::separateOpen(std::vector<Part>& parts) {
+    const auto solid = [&](const Part& part) {
+        const uint32_t material = part.raw.mesh.material;
+        return solid_[material == kNone ? solid_.size() - 1 : material];
+    };
+    if (std::none_of(parts.begin(), parts.end(), solid)) return;
+    std::vector<const Mesh*> meshes;
+    for (const Part& part : parts) meshes.push_back(&part.raw.mesh);
+    const std::vector<std::vector<bool>> open = openTriangles(meshes);
+    std::vector<Part> result;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        if (!solid(parts[i]) || std::find(open[i].begin(), open[i].end(), true) == open[i].end()) {
+            result.push_back(std::move(parts[i]));
+            continue;
+        }
+        Part thin = parts[i];
+        thin.raw.mesh.open = true;
+        keepTriangles(thin.raw.mesh, open[i], true);
+        keepTriangles(parts[i].raw.mesh, open[i], false);
+        load_.warn("KHR_materials_volume", thin.primitive, kOpenInstead);
+        if (!parts[i].raw.mesh.triangles.empty()) result.push_back(std::move(parts[i]));
+        result.push_back(std::move(thin));
+    }
+    parts = std::move(result);
 }
 
 const std::vector<uint32_t>& Meshes::load(uint32_t index, const std::vector<double>& weights) {

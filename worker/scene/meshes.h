@@ -12,7 +12,8 @@ namespace tilefarm {
 /// scene.meshes, one per primitive, once for each set of morph weights and for each use with a skin.
 class Meshes {
 public:
-    /// The materials must be in load.scene, the default one last.
+    /// The materials must be in load.scene, as they are at rest, the default one last. Where one of them is
+    /// solid then, surfaces that enclose nothing become meshes of their own, marked open.
     explicit Meshes(LoadContext& load);
 
     /// Where the primitives of mesh `index` are in scene.meshes. Without `weights` its own ones hold.
@@ -45,6 +46,7 @@ private:
     const Source& sourceOf(uint32_t index);
     std::vector<uint32_t> addParts(uint32_t index, const std::vector<double>& weights,
                                    const std::vector<glm::dmat4>* joints, std::vector<uint32_t>& slots);
+    void separateOpen(std::vector<Part>& parts);
     uint32_t store(Mesh mesh);
     uint64_t finish(Mesh& mesh);
     void warnOfPrecision(const Mesh& mesh, const JsonNode& primitive);
@@ -52,6 +54,7 @@ private:
     LoadContext& load_;
     JsonNode meshes_;
     std::vector<bool> usedMaterials_;
+    std::vector<bool> solid_;                          // materials at rest
     std::map<uint32_t, Source> sources_;               // what may be deformed anew
     std::map<uint32_t, std::vector<uint32_t>> rigid_;  // what never is
     std::map<std::pair<uint32_t, std::vector<double>>, std::vector<uint32_t>> morphed_;

@@ -111,10 +111,16 @@ struct Material {
     Fresnel fresnel = Fresnel::exact;  // of dielectrics
 };
 
+/// Whether light is refracted into what lies behind its surface, or scattered there, and absorbed within.
+inline bool isSolid(const Material& m) {
+    return m.thickness > 0 && (m.transmission > 0 || m.diffuseTransmission > 0) && !m.unlit;
+}
+
 /// Triangles of one primitive with one material in object space. Attribute arrays are empty or as
 /// long as `positions`.
 struct Mesh {
     std::string name;
+    bool open = false;  // it encloses nothing: its material is thin-walled here
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;   // empty: flat
     std::vector<glm::vec4> tangents;  // MikkTSpace; w is the handedness; for normal maps and anisotropy

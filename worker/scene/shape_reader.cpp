@@ -111,6 +111,12 @@ void ShapeReader::warnOf(const Shape& shape, bool endless, const JsonNode& node)
     if (endless) load_.warn(kImplicit, node, fmt::format("endless plane: a square of {} m", 2 * kEndless));
     if (!isProper(shape)) load_.warn(kVendor, node, "left out: its transform collapses it");
     const Material& material = load_.scene.materials[shape.material];
+    if (isFlat(shape.kind) && isSolid(material))
+        load_.warn(
+            "KHR_materials_volume", node,
+            fmt::format(
+                "a {} has no inside: thin-walled, which refracts nothing and absorbs as one thickness does",
+                nameOf(shape.kind)));
     // What light_packer.cpp makes a light of.
     const bool even =
         !material.emissionTexture && material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;

@@ -131,4 +131,8 @@ const char* nameOf(ShapeKind kind) {
     return "";
 }
 
+bool isFlat(ShapeKind kind) {
+    return kind == ShapeKind::rectangle || kind == ShapeKind::disk;
+}
+
 }  // namespace tilefarm

@@ -67,4 +67,7 @@ bool isSimilarity(const glm::dmat4& toWorld);
 
 const char* nameOf(ShapeKind kind);
 
+/// Whether it encloses nothing.
+bool isFlat(ShapeKind kind);
+
 }  // namespace tilefarm

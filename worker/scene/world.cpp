@@ -54,6 +54,17 @@ Material materialOf(const AreaLight& light) {
     return material;
 }
 
+/// A wall as thick as the material says, met at right angles.
+Material thinned(Material m) {
+    glm::vec3 left(1);
+    if (std::isfinite(m.attenuationDistance))
+        left = glm::pow(m.attenuationColor, glm::vec3(m.thickness / m.attenuationDistance));
+    if (m.transmission > 0) m.baseColor *= left;
+    m.diffuseTransmissionColor *= left;
+    m.thickness = 0;
+    return m;
+}
+
 /// Near the middle of the bounds, on a grid about as coarse as they are wide: the coordinates left are at
 /// most as large as the scene, and a scene around its origin is not moved at all.
 glm::dvec3 chooseCentre(const Scene& scene) {
@@ -144,7 +155,7 @@ private:
         const Mesh& mesh = scene_.meshes[instance.mesh];
         WorldInstance range;
         range.mesh = instance.mesh;
-        range.material = mesh.material;
+        range.material = mesh.open ? withoutInside(mesh.material) : mesh.material;
         range.firstVertex = static_cast<uint32_t>(out_.positions.size());
         range.vertexCount = static_cast<uint32_t>(mesh.positions.size());
         range.firstTriangle = out_.triangleCount();
@@ -157,9 +168,22 @@ private:
         out_.instances.push_back(range);
     }
 
+    /// The material itself where it is no solid.
+    uint32_t withoutInside(uint32_t material) {
+        if (!isSolid(scene_.materials[material])) return material;
+        std::vector<ThinMaterial>& thin = out_.thinMaterials;
+        const auto same = [material](const ThinMaterial& t) { return t.of == material; };
+        const auto known = std::find_if(thin.begin(), thin.end(), same);
+        const auto index = static_cast<uint32_t>(scene_.materials.size() + scene_.areaLights.size() +
+                                                 static_cast<size_t>(known - thin.begin()));
+        if (known == thin.end()) thin.push_back({material, thinned(scene_.materials[material])});
+        return index;
+    }
+
     void addShapes() {
-        for (const Shape& shape : scene_.shapes) {
-            addShape(shape, kNone);
+        for (Shape shape : scene_.shapes) {
+            if (isFlat(shape.kind)) shape.material = withoutInside(shape.material);
+            addShape(std::move(shape), kNone);
         }
         for (uint32_t i = 0; i < scene_.areaLights.size(); ++i) {
             const AreaLight& light = scene_.areaLights[i];

@@ -12,8 +12,8 @@
 /// then are positions rounded to float, once: a scene far from its origin keeps all its bits.
 namespace tilefarm {
 
-/// The part of the arrays that one Scene::Instance became; same index as in the scene. Rectangular area lights
-/// follow, with mesh kNone: two triangles cost a kernel less than a shape does.
+/// The part of the arrays that one Scene::Instance became; same index as in the scene. Rectangular area
+/// lights follow, with mesh kNone: two triangles cost a kernel less than a shape does.
 struct WorldInstance {
     uint32_t mesh = 0, material = 0;
     uint32_t firstTriangle = 0, triangleCount = 0;
@@ -42,6 +42,12 @@ struct QuadLight {
     bool twoSided = false;
 };
 
+/// What a solid material is on surfaces that enclose nothing.
+struct ThinMaterial {
+    uint32_t of = 0;  // index into Scene::materials
+    Material material;
+};
+
 struct WorldGeometry {
     /// World space is this space plus `centre`, a multiple of a power of two near the middle of the
     /// bounds; zero for a scene around its origin.
@@ -63,11 +69,13 @@ struct WorldGeometry {
     std::vector<uint32_t> triangleInstance;
     std::vector<uint32_t> triangleInMesh;  // index into Mesh::triangles
 
-    /// Their primitive indices follow those of the triangles. Spherical area lights come last, with materials of
-    /// their own.
+    /// Their primitive indices follow those of the triangles. Spherical area lights come last, with materials
+    /// of their own.
     std::vector<WorldShape> shapes;
     /// Black and emitting, one per area light; index Scene::materials.size() and on.
     std::vector<Material> lightMaterials;
+    /// Behind them.
+    std::vector<ThinMaterial> thinMaterials;
 
     std::vector<EmissiveTriangle> emissive;  // those whose material has emission, by triangle
     std::vector<PunctualLight> lights;       // positions re-centred
@@ -80,8 +88,12 @@ struct WorldGeometry {
     const WorldInstance& instanceOf(uint32_t triangle) const { return instances[triangleInstance[triangle]]; }
     /// Of an instance or a shape.
     const Material& materialOf(const Scene& scene, uint32_t material) const {
-        const size_t own = scene.materials.size();
+        const size_t own = scene.materials.size(), thin = own + lightMaterials.size();
+        if (material >= thin) return thinMaterials[material - thin].material;
         return material < own ? scene.materials[material] : lightMaterials[material - own];
+    }
+    size_t materialCount(const Scene& scene) const {
+        return scene.materials.size() + lightMaterials.size() + thinMaterials.size();
     }
     /// Three positions per triangle, as buildBvh takes them.
     std::vector<glm::vec3> corners() const;

@@ -216,6 +216,7 @@ TEST_F(MaterialExtensionsTest, WarnsOfAThicknessTextureWhereLightEnters) {
     extension("volume", R"({"thicknessFactor": 1, "thicknessTexture": {"index": 0}})");
     EXPECT_TRUE(load().warnings.empty()) << "opaque";
     extension("transmission", R"({"transmissionFactor": 1})");
+    builder.set("/scenes/0/nodes", "[]");  // no open surface has it
     const Scene scene = load();
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(scene.warnings[0].feature, "thicknessTexture");

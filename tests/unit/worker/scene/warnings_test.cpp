@@ -75,8 +75,15 @@ INSTANTIATE_TEST_SUITE_P(
              [](GltfBuilder& b) {
                  b.set("/materials/0/extensions", R"({"KHR_materials_transmission": {"transmissionFactor": 1},
                      "KHR_materials_volume": {"thicknessFactor": 1, "thicknessTexture": {"index": 0}}})");
+                 b.set("/scenes/0/nodes", "[]");  // no open surface has it
              },
              "thicknessTexture", "materials/0 (M)"},
+        Held{"OpenVolume",
+             [](GltfBuilder& b) {
+                 b.set("/materials/0/extensions", R"({"KHR_materials_transmission": {"transmissionFactor": 1},
+                     "KHR_materials_volume": {"thicknessFactor": 1}})");
+             },
+             "KHR_materials_volume", kPrimitive + 1},
         Held{"VolumeScatter",
              [](GltfBuilder& b) {
                  b.set("/extensionsUsed", R"(["KHR_materials_volume_scatter"])");
