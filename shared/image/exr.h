@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "shared/film/film.h"
+#include "shared/image/exr_attributes.h"
 #include "shared/image/float_image.h"
+#include "shared/image/primaries.h"
 
 namespace tilefarm {
-
-/// String attributes of an image file, written as "tilefarm.<key>".
-using ImageAttributes = std::map<std::string, std::string>;
 
 /// Gives one tile of the frame; called once per tile, row of tiles by row of tiles from the top.
 using TileSource = std::function<FilmTile(uint32_t tile)>;
@@ -38,6 +37,27 @@ void writeFrameExr(const std::filesystem::path& path, const ImageSpec& image, co
 /// the file and the fault, also for truncated and hostile files.
 FloatImage readExr(const std::filesystem::path& path);
 FloatImage readExr(std::span<const std::byte> bytes, const std::string& nameForErrors);
+
+/// Pixels of a plane whose y goes down, from (x, y) on.
+struct ExrWindow {
+    int64_t x = 0, y = 0, width = 0, height = 0;
+    friend bool operator==(const ExrWindow&, const ExrWindow&) = default;
+};
+
+/// Pixels with what the header says of them.
+struct ExrPicture {
+    FloatImage image;         // of the data window
+    std::vector<bool> half;   // by channel: stored as half
+    ExrWindow data, display;  // the latter may have no bounds that a reader could take
+    float pixelAspectRatio = 1;
+    bool cubeMap = false;  // the attribute `envmap`, in the layout of ImfEnvmap.h
+    Primaries primaries;   // the attribute `chromaticities`, else Rec. 709
+    Primaries::Xy
+        neutral;       // what is to look white: the attribute `adoptedNeutral`, else the primaries' white
+    size_t parts = 1;  // of the file; the picture is the first
+};
+ExrPicture readExrPicture(const std::filesystem::path& path);
+
 /// The "tilefarm.*" attributes of a file, without the prefix.
 ImageAttributes readExrAttributes(const std::filesystem::path& path);
 /// All header entries that are strings, by their full names.

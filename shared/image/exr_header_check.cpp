@@ -100,7 +100,7 @@ void requireSizes(std::string_view name, std::string_view value, uint64_t encode
 
 }  // namespace
 
-void requireHonestExrHeaders(std::span<const std::byte> bytes) {
+size_t requireHonestExrHeaders(std::span<const std::byte> bytes) {
     ExrBytes in(bytes);
     if (bytes.size() < 8 || in.get<uint32_t>("the magic number") != kExrMagic)
         throw std::runtime_error("it is none");
@@ -110,8 +110,12 @@ void requireHonestExrHeaders(std::span<const std::byte> bytes) {
         requireType(name, type, value);
         requireSizes(name, value, bytes.size());
     };
-    while (forEachAttribute(in, check) && multiPart) {
+    size_t parts = 0;
+    while (forEachAttribute(in, check)) {
+        ++parts;
+        if (!multiPart) break;
     }
+    return parts;
 }
 
 }  // namespace tilefarm

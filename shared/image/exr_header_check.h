@@ -12,8 +12,8 @@ inline constexpr int64_t kLargestExrSide = 65536;
 inline constexpr uint64_t kMostExrExpansion = 2048;
 
 /// Goes through the headers of an EXR as OpenEXR will, before it does: OpenEXR takes memory for whatever
-/// sizes stand there before it looks whether the file has as much. Throws std::runtime_error that names the
-/// fault.
-void requireHonestExrHeaders(std::span<const std::byte> bytes);
+/// sizes stand there before it looks whether the file has as much. Gives how many headers there are. Throws
+/// std::runtime_error that names the fault.
+size_t requireHonestExrHeaders(std::span<const std::byte> bytes);
 
 }  // namespace tilefarm

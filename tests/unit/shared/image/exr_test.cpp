@@ -68,6 +68,28 @@ TEST(Exr, KeepsEveryBitAndEveryAttribute) {
     EXPECT_TRUE(sameBits(readExr(bytes, "upload").plane("layer.x"), image.planes[2]));
 }
 
+// Of one to four bytes a character, and of lengths around those where parts end.
+TEST(Exr, SplitsLongAttributesBetweenCharactersAndJoinsThem) {
+    const TemporaryFolder folder;
+    std::mt19937 random(3);
+    ImageAttributes attributes{{"note.007", "a name of its own"}};
+    for (const size_t length : {0u, 249u, 250u, 251u, 499u, 500u, 501u, 1000u, 70'000u, 251'000u}) {
+        std::string& text = attributes["t" + std::to_string(length)];
+        constexpr std::array characters{"a", "é", "€", "🎬"};
+        while (text.size() + 4 <= length) text += characters[random() % 4];
+        text.resize(length, '-');
+    }
+    writeExr(folder / "a.exr", {1, 1, {"Y"}, {{1}}}, attributes);
+    EXPECT_EQ(readExrAttributes(folder / "a.exr"), attributes);
+    size_t entries = 0;
+    for (const auto& [name, value] : readExrMetadata(folder / "a.exr")) {
+        EXPECT_LE(value.size(), 250u) << name;
+        EXPECT_TRUE(value.empty() || (value[0] & 0xc0) != 0x80) << name << " begins within a character";
+        ++entries;
+    }
+    EXPECT_GT(entries, 251'000u / 250);
+}
+
 FilmTile tileOf(const ImageSpec& image, uint32_t index) {
     FilmTile tile(TileGrid(image).rect(index));
     for (uint32_t y = 0; y < tile.rect.height; ++y)
