@@ -2,7 +2,7 @@
 # Renders a scene on a farm on this machine, from nothing: installs packages, builds, starts a server and two
 # workers on the loopback interface, submits the job, downloads the pictures, stops what it started.
 #
-#     deploy/demo.sh [SCENE [ENVIRONMENT]]      .gltf or .glb; .hdr or .exr
+#     deploy/demo.sh [SCENE [ENVIRONMENT]]      .gltf or .glb; .hdr, .exr, .png or .jpg
 #
 # By environment variable, with the defaults for the demo scene:
 #     TILEFARM_DEMO_WIDTH=960  TILEFARM_DEMO_HEIGHT=540   pixels

@@ -78,7 +78,8 @@ void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
     app.add_option("--sample", words.sample, "index of that sample")->capture_default_str()->needs(pixel);
     app.add_option("--png", config.render.png, "PNG file to write as well");
     app.add_option("--report", config.render.report, "JSON file for what was measured");
-    app.add_option("--environment", config.render.files.environment, "equirectangular .hdr or .exr");
+    app.add_option("--environment", config.render.files.environment,
+                   "a picture of all directions: .hdr, .exr, .png or .jpg");
     addPictureOptions(app, config.render.spec);
     app.add_option("--frame,--frames", words.frames,
                    "a frame, or a range like 1-48; then ### in a file's name is the frame's number")

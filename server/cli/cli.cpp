@@ -141,7 +141,8 @@ private:
                                   return submit(farm, a_.submit, console_);
                               }));
         c.add_option("scene", a_.submit.scene, "a .gltf or .glb")->required();
-        c.add_option("--environment", a_.submit.environment, "an equirectangular .hdr or .exr");
+        c.add_option("--environment", a_.submit.environment,
+                     "a picture of all directions: .hdr, .exr, .png or .jpg");
         addJobOptions(c, a_.submit.spec);
         c.add_flag("--wait", a_.submit.wait, "follow the job until it ends");
         c.add_option("-o,--output", a_.submit.pictures.exr,

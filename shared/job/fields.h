@@ -21,7 +21,8 @@ void describe(Visitor& v, Is<SceneBundle> auto& scene) {
     v.files({"files", "relative path of each file of the scene -> its SHA-256", kRequired}, scene.files,
             {1, 10000});
     v.text({"entry", "path within files of the .gltf or .glb", kRequired}, scene.entry, {1, 1024});
-    v.text({"environment", "path within files of an equirectangular .hdr or .exr; empty for none"},
+    v.text({"environment",
+            "path within files of a picture of all directions: .hdr, .exr, .png or .jpg; empty for none"},
            scene.environment, {0, 1024});
 }
 

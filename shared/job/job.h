@@ -17,7 +17,7 @@ namespace tilefarm {
 struct SceneBundle {
     std::string entry;                         // path of the .gltf or .glb within `files`
     std::map<std::string, std::string> files;  // relative path -> SHA-256
-    std::string environment;                   // path within `files` of an .hdr or .exr, or empty
+    std::string environment;                   // path within `files` of the environment, or empty
     friend bool operator==(const SceneBundle&, const SceneBundle&) = default;
 };
 

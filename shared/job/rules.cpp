@@ -1,7 +1,9 @@
 #include "shared/job/rules.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -14,10 +16,10 @@ namespace tilefarm {
 namespace {
 
 void checkScenePath(const SceneBundle& scene, const std::string& path, const std::string& pointer,
-                    std::pair<const char*, const char*> suffixes, Faults& faults) {
+                    const std::vector<const char*>& suffixes, Faults& faults) {
     if (path.empty() || faults.at(pointer)) return;
-    if (!hasSuffix(path, suffixes.first) && !hasSuffix(path, suffixes.second))
-        faults.add(pointer, fmt::format("must end with {} or {}", suffixes.first, suffixes.second));
+    if (std::none_of(suffixes.begin(), suffixes.end(), [&](auto suffix) { return hasSuffix(path, suffix); }))
+        faults.add(pointer, fmt::format("must end with {}", fmt::join(suffixes, " or ")));
     if (!scene.files.empty() && !scene.files.contains(path))
         faults.add(pointer, "names '" + path + "', which is not among /scene/files");
 }
@@ -135,7 +137,8 @@ void checkAppearance(const MaterialOverride& material, const std::string& pointe
 
 void checkJob(const JobSpec& job, Faults& faults) {
     checkScenePath(job.scene, job.scene.entry, "/scene/entry", {".gltf", ".glb"}, faults);
-    checkScenePath(job.scene, job.scene.environment, "/scene/environment", {".hdr", ".exr"}, faults);
+    checkScenePath(job.scene, job.scene.environment, "/scene/environment",
+                   {".hdr", ".exr", ".png", ".jpg", ".jpeg"}, faults);
     checkFrames(job.frames, faults);
     checkTiles(job.image, faults);
     checkEnvironment(job, faults);

@@ -8,7 +8,7 @@
 #include "shared/error/error.h"
 #include "shared/image/exr.h"
 #include "worker/scene/decode_image.h"
-#include "worker/scene/radiance_hdr.h"
+#include "worker/scene/environment_picture.h"
 
 namespace {
 
@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const auto texels = [](const Image& image) { return size_t{4} * image.width * image.height; };
     if (startsWith("#?")) {
         readOrRefuse([&] {
-            const Image image = decodeRadianceHdr(bytes);
+            const Image image = decodeRadianceHdr(bytes).image;
             require(image.rgbaFloat.size() == texels(image));
         });
     } else if (startsWith("\x89PNG") || startsWith("\xff\xd8")) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/scene/srgb.h"
+
 namespace tilefarm {
 namespace {
 
@@ -10,8 +12,7 @@ constexpr int kStrata = 8;  // per edge: 36 points
 
 double decoded(uint8_t value, bool srgb) {
     const double x = value / 255.0;
-    if (!srgb) return x;
-    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    return srgb ? srgbToLinear(x) : x;
 }
 
 int64_t wrapped(double coordinate, uint32_t size, Wrap wrap) {

@@ -2,12 +2,12 @@
 #include <png.h>
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <vector>
 
 #include "shared/error/error.h"
 #include "worker/scene/image_decoders.h"
+#include "worker/scene/srgb.h"
 
 namespace tilefarm {
 namespace {
@@ -77,19 +77,13 @@ bool read(Decoder& decoder, uint8_t** rows) {
     return true;
 }
 
-/// IEC 61966-2-1.
-float srgbToLinear(double encoded) {
-    return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92
-                                                 : std::pow((encoded + 0.055) / 1.055, 2.4));
-}
-
 std::vector<float> toFloats(const std::vector<uint8_t>& stored, bool srgb) {
     std::vector<float> floats(stored.size() / 2);
     for (size_t i = 0; i < floats.size(); ++i) {
         uint16_t value = 0;
         std::memcpy(&value, stored.data() + 2 * i, sizeof value);
         const double share = value / 65535.0;
-        floats[i] = srgb && i % 4 != 3 ? srgbToLinear(share) : static_cast<float>(share);
+        floats[i] = srgb && i % 4 != 3 ? static_cast<float>(srgbToLinear(share)) : static_cast<float>(share);
     }
     return floats;
 }

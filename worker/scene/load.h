@@ -14,8 +14,10 @@ namespace tilefarm {
 /// the file's default materials.
 Scene loadGltf(const std::filesystem::path& path, const std::string& variant = {});
 
-/// Loads an equirectangular .hdr or .exr. NaN, infinite and negative texels become 0 and a warning
-/// in `scene.warnings`. Throws Error(invalidArgument) that names the file and the fault.
+/// Loads a picture of all directions: equirectangular .hdr, .exr, .png or .jpg, or an .exr that is a cube
+/// map. Channels below 0 become 0, infinite ones the largest finite value, texels with one that is not a
+/// number black; of that and of what else the file holds and is not used `scene.warnings` tell. Throws
+/// Error(invalidArgument) that names the file and the fault.
 void loadEnvironment(Scene& scene, const std::filesystem::path& path);
 
 /// Surrounds a scene that has no light at all (no environment, light or emissive surface) with white

@@ -1,20 +1,24 @@
 // Greg Ward's picture format, as its reference describes it. Written here because the copies of stb_image
 // that distributions carry do not end on a run that is cut short.
-#include "worker/scene/radiance_hdr.h"
-
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <vector>
 
 #include "shared/error/error.h"
+#include "worker/scene/environment_picture.h"
 #include "worker/scene/limits.h"
+#include "worker/scene/radiance_header.h"
 
 namespace tilefarm {
 namespace {
+
+constexpr double kLargest = std::numeric_limits<float>::max();
 
 using Rgbe = std::array<uint8_t, 4>;
 
@@ -84,15 +88,13 @@ Size parseSize(std::string_view line) {
     return size;
 }
 
-Size readHeader(Reader& reader) {
+Size readHeader(Reader& reader, RadianceHeader& header) {
     const std::string_view magic = reader.line();
     if (magic != "#?RADIANCE" && magic != "#?RGBE") {
         failPicture("is not a Radiance picture");
     }
     for (std::string_view line = reader.line(); !line.empty(); line = reader.line()) {
-        if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe") {
-            failPicture(fmt::format("is of the {}, only 32-bit_rle_rgbe is known", line));
-        }
+        header.read(line);
     }
     const Size size = parseSize(reader.line());
     if (uint64_t{size.width} * size.height > kMaxImageTexels) {
@@ -141,33 +143,45 @@ void readFlatRow(Reader& reader, std::span<Rgbe> row) {
     }
 }
 
+void readRow(Reader& reader, std::span<Rgbe> row) {
+    const auto width = static_cast<uint32_t>(row.size());
+    if (width >= 8 && width < 32768 && reader.startsRun(width)) {
+        readRunRow(reader, row);
+    } else {
+        readFlatRow(reader, row);
+    }
+}
+
 }  // namespace
 
-Image decodeRadianceHdr(std::span<const std::byte> bytes) {
+EnvironmentPicture decodeRadianceHdr(std::span<const std::byte> bytes) {
     Reader reader(bytes);
-    const Size size = readHeader(reader);
+    RadianceHeader header;
+    const Size size = readHeader(reader, header);
     const uint64_t texels = uint64_t{size.width} * size.height;
     if (texels > kMostTexelsPerByte * bytes.size()) {
         failPicture(fmt::format("has {} x {} texels, more than its {} bytes can hold", size.width,
                                 size.height, bytes.size()));
     }
-    Image image;
+    EnvironmentPicture picture;
+    picture.toScene = header.toRec709();
+    picture.aspect = size.width / (size.height * header.pixelAspect);
+    Image& image = picture.image;
     image.width = size.width;
     image.height = size.height;
     std::vector<Rgbe> row(size.width);
     image.rgbaFloat.reserve(texels * 4);
     for (uint32_t y = 0; y < size.height; ++y) {
-        if (size.width >= 8 && size.width < 32768 && reader.startsRun(size.width)) {
-            readRunRow(reader, row);
-        } else {
-            readFlatRow(reader, row);
-        }
+        readRow(reader, row);
         for (const Rgbe& p : row) {
-            const float scale = p[3] == 0 ? 0.0f : std::ldexp(1.0f, p[3] - (128 + 8));
-            image.rgbaFloat.insert(image.rgbaFloat.end(), {p[0] * scale, p[1] * scale, p[2] * scale, 1.0f});
+            const double scale = p[3] == 0 ? 0.0 : std::ldexp(1.0, p[3] - (128 + 8));
+            for (size_t c = 0; c < 3; ++c)
+                image.rgbaFloat.push_back(
+                    static_cast<float>(std::min(p[c] * scale / header.multipliedBy[c], kLargest)));
+            image.rgbaFloat.push_back(1.0f);
         }
     }
-    return image;
+    return picture;
 }
 
 }  // namespace tilefarm

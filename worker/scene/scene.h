@@ -228,7 +228,7 @@ struct Scene {
     std::vector<SceneWarning> warnings;
     uint64_t degenerateTriangles = 0;  // left out by the loader: repeated indices, zero area, not finite
 
-    uint64_t sanitisedTexels = 0;      // of the environment, that were no radiance and are black
+    uint64_t sanitisedTexels = 0;      // of the environment, that were no radiance and are changed
 
     bool hasEnvironment() const { return environment.image.width != 0; }
 };
