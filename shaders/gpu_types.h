@@ -144,6 +144,7 @@ GPU_CONSTANT MATERIAL_SCHLICK = 1u << 8;
 GPU_CONSTANT MATERIAL_CONDUCTOR = 1u << 9;
 GPU_CONSTANT MATERIAL_GTR1 = 1u << 10;
 GPU_CONSTANT MATERIAL_DISNEY_DIFFUSE = 1u << 11;
+GPU_CONSTANT MATERIAL_INTERFACE = 1u << 12;  // reflects or transmits by microfacets: calls for FEATURE_SPECULAR
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -235,6 +236,13 @@ GPU_CONSTANT DIRECTION_BSDF = 0;
 GPU_CONSTANT DIRECTION_COSINE = 1;
 GPU_CONSTANT DIRECTION_UNIFORM = 2;
 
+// FrameParameters::lights.x: how lights are chosen, and weighed against the BSDF. By data beside the bits of FEATURE_*:
+// a kernel may hold the code of several ways.
+GPU_CONSTANT LIGHTS_BY_TREE = 1u << 0;
+GPU_CONSTANT LIGHTS_ALL = 1u << 1;
+GPU_CONSTANT LIGHTS_ALONE = 1u << 2;
+GPU_CONSTANT LIGHTS_BY_BSDF = 1u << 3;
+
 GPU_CONSTANT CAMERA_KEYS = 33;       // at most
 GPU_CONSTANT CAMERA_KEY_VECTORS = 3;
 
@@ -294,6 +302,7 @@ struct FrameParameters {
     vec4 fogAbsorption;   // rgb, 1/m
     uvec4 cameraMedia;    // solids around the camera, path/media_stack.glsl
     uvec4 nesting;        // x: 1 if a ray may be in several solids, or starts in one
+    uvec4 lights;         // x: LIGHTS_*; y: groups that LIGHTS_ALL asks
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -304,11 +313,12 @@ struct PassConstants {
     uint continued;  // 0: the film is cleared first
     uint tileSize;   // film pixels are tile after tile, tileSize² each
     uint block;      // of RASTER_BLOCK² pixels, row by row, that the raster integrator draws
+    uint firstRow;   // of the tiles
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 480 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
-static_assert(sizeof(PassConstants) == 24);
+static_assert(sizeof(FrameParameters) == 496 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(PassConstants) == 28);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
 // (worker/scene/scene.h); texels from 7 on are read only where a feature asks for them.
@@ -345,7 +355,7 @@ static_assert(sizeof(TextureRecord) == 16 * TEXTURE_TEXELS);
 // (W/sr; W/m² for directional), b = (cos inner, cos outer, range). LIGHT_ENVIRONMENT: the rest unused.
 // LIGHT_QUAD: corner p, edges a ⟂ b, radiance; emits towards a × b, `primitive` is 1 if both ways.
 // LIGHT_SPHERE: centre p, a.x radius, radiance. LIGHT_SUN: direction a, b.x = 1 − cos θmax, radiance.
-// `pmf` is the probability of being chosen where no tree chooses; 1 with FEATURE_ALL_LIGHTS.
+// `pmf` is the probability of being chosen where no tree chooses; with LIGHTS_ALL within the light's group.
 struct LightRecord {
     uint type; uint primitive; float pmf; float area;
     vec3 p; float red;
@@ -369,7 +379,8 @@ static_assert(sizeof(ShapeRecord) == 16 * SHAPE_TEXELS);
 
 // Walker's alias method: keep the index when 32 random bits are below `threshold`, else take `alias`.
 // The table of lights also has each light's way down the light tree: bit k is set where it takes the second
-// child of the k-th node.
+// child of the k-th node. With LIGHTS_ALL there is a table for each group, all in one, and the k-th `trail` is the first
+// light of the k-th group.
 struct AliasRecord {
     uint threshold, alias; float pmf; uint trail;
 };

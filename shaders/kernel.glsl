@@ -36,6 +36,9 @@ uint cutoutKey(SampleKey key, uint bounce) {
     return has(FEATURE_CUTOUT) ? randomBits(key, bounceDimension(bounce, DIMENSION_CUTOUT)).x : 0u;
 }
 
+// Likewise of shadow rays: what the path's own ray came through, light may not.
+uint shadowKey(SampleKey key, uint bounce) { return ~cutoutKey(key, bounce); }
+
 bool occluded(LightSample l, uint primitive, uint key) {
     Ray ray;
     ray.origin = l.origin;

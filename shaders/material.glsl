@@ -38,8 +38,9 @@ MaterialPoint materialAt(Surface s) {
         roughness *= metallicRoughness.g;
     }
     m.alpha = roughness * roughness;
-    m.ior = surface.w;
     m.flags = more.y;
+    // Without an interface there is none for the code of other materials to find.
+    m.ior = (m.flags & MATERIAL_INTERFACE) != 0u ? surface.w : 1.0;
     m.albedoTable = more.z;
     materialPointDefaults(m);
     m.emission = vec3(0);
@@ -58,6 +59,16 @@ MaterialPoint materialAt(Surface s) {
     return m;
 }
 
+bool isCutOut(uint flags) { return (flags & (MATERIAL_MASK | MATERIAL_BLEND)) != 0u; }
+
+// Share of a cut-out surface that is there, at a point of it: what it emits and stops.
+float coverageAt(uint material, uint flags, vec2 uv0, vec2 uv1, vec4 color) {
+    uint baseColorTexture = LOAD(materialTexels, material * MATERIAL_TEXELS + 5u).x;
+    float alpha = baseColorAndAlpha(material, baseColorTexture, uv0, uv1, color).a;
+    if ((flags & MATERIAL_MASK) != 0u) return alpha >= materialTexel(material, 1u).a ? 1.0 : 0.0;
+    return clamp(alpha, 0.0, 1.0);
+}
+
 // Whether a ray stops at a cut-out surface. Blended surfaces stop a share α of the rays; the number
 // that decides depends on the ray's key and the primitive alone, so traversal order does not matter.
 bool acceptHit(uint primitive, vec2 barycentrics, uint key) {
@@ -72,12 +83,11 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key) {
         if (VERTEX_TEXELS > 1u) loadTexCoords(v, b, interpolateTexel(v, b, 0u).w, uv0, uv1);
         color = loadColor(v, b);
     }
-    uint baseColorTexture = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 5u).x;
-    float alpha = baseColorAndAlpha(v.material, baseColorTexture, uv0, uv1, color).a;
-    if ((flags & MATERIAL_MASK) != 0u) return alpha >= materialTexel(v.material, 1u).a;
-    if ((flags & MATERIAL_BLEND) == 0u) return true;
+    if (!isCutOut(flags)) return true;
+    float coverage = coverageAt(v.material, flags, uv0, uv1, color);
+    if ((flags & MATERIAL_MASK) != 0u) return coverage > 0.0;
     uint bits = pcg4d(uvec4(key, primitive, 0x63757475u, 0x6f757421u)).x;
-    return unitFloat(bits) < alpha;
+    return unitFloat(bits) < coverage;
 }
 
 #endif

@@ -14,7 +14,7 @@ PathSample renderSample(uvec2 pixel, SampleKey key) {
 #endif
 
 void main() {
-    uvec2 inTile = gl_GlobalInvocationID.xy;
+    uvec2 inTile = gl_GlobalInvocationID.xy + uvec2(0, pass.firstRow);
     uvec4 tile = tiles[gl_WorkGroupID.z];
     if (any(greaterThanEqual(inTile, tile.zw))) return;
     uvec2 pixel = tile.xy + inTile;

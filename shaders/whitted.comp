@@ -44,7 +44,7 @@ vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
         if (!centreLight(i, key, s, l, extended) || dot(l.wi, s.geometricNormal) <= 0.0) continue;
         // What a mirror ray can meet has no need of a highlight.
         vec3 light = phongEval(p, wo, l.wi * s.frame, extended ? 1.0 - p.gloss : 1.0) * l.radiance;
-        if (maxComponent(light) > 0.0 && !occluded(l, s.primitive, cutoutKey(key, depth))) sum += light;
+        if (maxComponent(light) > 0.0 && !occluded(l, s.primitive, shadowKey(key, depth))) sum += light;
     }
     return sum;
 }

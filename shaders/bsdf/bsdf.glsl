@@ -317,13 +317,13 @@ bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
         float sheen = hasSheen() ? b.sheenChance : 0.0;
         float cosine = sheen + b.frontChance;
         float back = hasBack() ? b.backChance : 0.0;
-        if (!has(FEATURE_SPECULAR) && !hasBack() || pick < cosine) {
+        float facets = has(FEATURE_SPECULAR) ? b.facetChance : 0.0;
+        // Chances may sum to a little less than 1: what is left over belongs to the last lobe that has any.
+        if (pick < cosine || !(back > 0.0) && !(facets > 0.0)) {
             s.wi = hasSheen() && pick < sheen ? sheenSample(b.sheen, u.yz) : cosineHemisphere(u.yz);
-        } else if (hasBack() && (!has(FEATURE_SPECULAR) || pick < cosine + back)) {
+        } else if (hasBack() && (pick < cosine + back || !(facets > 0.0))) {
             s.wi = mirrored(cosineHemisphere(u.yz));
         } else if (has(FEATURE_SPECULAR)) {
-            // Chances may sum to a little less than 1: what is left over is none of facets that have none.
-            if (!(b.facetChance > 0.0)) return false;
             if (!sampleFacets(b, wo, pick - cosine - back, u.yz, s)) return false;
             if (s.delta) return true;
         }

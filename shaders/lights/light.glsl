@@ -1,4 +1,4 @@
-// Sampling a light at a surface point: which one (by power, all alike, each, or by the light tree) and where on it;
+// Sampling a light at a surface point: which one (by power, all alike, one of each group, or by the light tree) and where on it;
 // and the pdfs that multiple importance sampling needs when a path meets a light by itself.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
@@ -27,16 +27,37 @@ struct LightSample {
 #define hasLights() \
     ((emitterBits() | featureBit(FEATURE_PUNCTUAL_LIGHTS) | featureBit(FEATURE_SUN_LIGHTS) | featureBit(FEATURE_ENVIRONMENT)) != 0u)
 
+bool lightsFollow(uint rule) { return (parameters.lights.x & rule) != 0u; }
+#define lightsByTree() (has(FEATURE_LIGHT_TREE) && lightsFollow(LIGHTS_BY_TREE))
+#define lightsAll() (has(FEATURE_ALL_LIGHTS) && lightsFollow(LIGHTS_ALL))
+#define lightsAlone() (has(FEATURE_LIGHT_SAMPLING_ONLY) && lightsFollow(LIGHTS_ALONE))
+#define lightsByBsdf() (has(FEATURE_BSDF_SAMPLING_ONLY) && lightsFollow(LIGHTS_BY_BSDF))
+
 vec4 lightTexel(uint light, uint texel) { return uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS + texel)); }
 
-uint chooseLight(uvec4 bits) {
-    uint light = scaledIndex(bits.x, parameters.path.z);
+// Of `count` lights from `first` on, which have a table of their own.
+uint chooseLight(uvec4 bits, uint first, uint count) {
+    uint light = first + scaledIndex(bits.x, count);
     uvec4 entry = LOAD(lightAliasTexels, light);
     return bits.y < entry.x ? light : entry.y;
 }
 
 // Probability of choosing a light at a point p whose surface sees lights on the side of n (zero: on both).
-float lightPmf(uint light, float pmf, vec3 p, vec3 n) { return has(FEATURE_LIGHT_TREE) ? lightTreePmf(light, p, n) : pmf; }
+float lightPmf(uint light, float pmf, vec3 p, vec3 n) { return lightsByTree() ? lightTreePmf(light, p, n) : pmf; }
+
+// What leaves the point u of a triangle at an angle to its normal, of what its material emits.
+vec3 emissionOfTriangle(vec3 emission, VertexIndices v, uint flags, vec2 u, float cosine) {
+    uint emissionTexture = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 5u).w;
+    bool textured = has(FEATURE_TEXTURES) && emissionTexture != NO_INDEX, cutOut = has(FEATURE_CUTOUT) && isCutOut(flags);
+    if (!textured && !cutOut && !has(FEATURE_CLEARCOAT)) return emission;
+    vec3 barycentrics = vec3(1.0 - u.x - u.y, u);
+    vec2 uv0, uv1;
+    loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
+    if (textured) emission *= sampleTexture(emissionTexture, uv0, uv1).rgb;
+    if (has(FEATURE_CLEARCOAT)) emission *= emissionThroughCoat(v.material, uv0, uv1, cosine);
+    if (cutOut) emission *= coverageAt(v.material, flags, uv0, uv1, loadColor(v, barycentrics));
+    return emission;
+}
 
 bool sampleTriangleLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface s, inout LightSample l) {
     vec4 p = lightTexel(light, 1u), a = lightTexel(light, 2u), b = lightTexel(light, 3u);
@@ -53,20 +74,7 @@ bool sampleTriangleLight(uint light, uvec4 head, float pmf, uvec4 bits, Surface 
     VertexIndices v = loadPrimitive(head.y);
     uint flags = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 3u).y;
     if (!emitsTowards(flags, cosine >= 0.0)) return false;
-    l.radiance = vec3(p.w, a.w, b.w);
-    uint emissionTexture = LOAD(materialTexels, v.material * MATERIAL_TEXELS + 5u).w;
-    if (has(FEATURE_TEXTURES) && emissionTexture != NO_INDEX) {
-        vec3 barycentrics = vec3(1.0 - u.x - u.y, u);
-        vec2 uv0, uv1;
-        loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
-        l.radiance *= sampleTexture(emissionTexture, uv0, uv1).rgb;
-    }
-    if (has(FEATURE_CLEARCOAT)) {
-        vec3 barycentrics = vec3(1.0 - u.x - u.y, u);
-        vec2 uv0, uv1;
-        loadTexCoords(v, barycentrics, interpolateTexel(v, barycentrics, 0u).w, uv0, uv1);
-        l.radiance *= emissionThroughCoat(v.material, uv0, uv1, abs(cosine));
-    }
+    l.radiance = emissionOfTriangle(vec3(p.w, a.w, b.w), v, flags, u, abs(cosine));
     l.pdf = pmf * areaToSolidAngle(uintBitsToFloat(head.w), distanceSquared, abs(cosine));
     l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
     l.target = offsetOrigin(position, error, normal, -l.wi);
@@ -170,26 +178,33 @@ bool sampleLight(SampleKey key, uint bounce, Surface s, vec3 n, out LightSample 
     uint light;
     float pmf;
     if (parameters.path.z == 0u) return false;
-    if (has(FEATURE_LIGHT_TREE)) {
+    if (lightsByTree()) {
         if (!lightTreeSample(bits.xy, s.position, n, light, pmf)) return false;
     } else {
-        light = chooseLight(bits);
+        light = chooseLight(bits, 0u, parameters.path.z);
     }
     uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
-    if (!has(FEATURE_LIGHT_TREE)) pmf = uintBitsToFloat(head.z);
+    if (!lightsByTree()) pmf = uintBitsToFloat(head.z);
     return sampleOnLight(light, head, pmf, bits, key, bounce, s, l);
 }
 
-// A given light, with random numbers of its own.
-bool sampleEachLight(uint light, SampleKey key, uint bounce, Surface s, out LightSample l) {
-    key.stream = pcg4d(uvec4(key.stream, light, 0x6561u, 0x6368u)).x;
+uint firstOfGroup(uint group) { return LOAD(lightAliasTexels, group).w; }
+
+// One light of a given group, with random numbers of its own.
+bool sampleGroup(uint group, SampleKey key, uint bounce, Surface s, out LightSample l) {
+    key.stream = pcg4d(uvec4(key.stream, group, 0x6561u, 0x6368u)).x;
     uvec4 bits = randomBits(key, bounceDimension(bounce, DIMENSION_LIGHT));
-    return sampleOnLight(light, LOAD(lightTexels, light * LIGHT_TEXELS), 1.0, bits, key, bounce, s, l);
+    uint first = firstOfGroup(group);
+    uint end = group + 1u < parameters.lights.y ? firstOfGroup(group + 1u) : parameters.path.z;
+    uint light = chooseLight(bits, first, end - first);
+    uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
+    return sampleOnLight(light, head, uintBitsToFloat(head.z), bits, key, bounce, s, l);
 }
 
 // Pdf with which light sampling at `from` (see lightPmf for n) would have found the point of an emissive surface that
-// a ray met at the distance t.
-float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine) {
+// a ray met at the distance t. `throughVeil`: after it came through the near side of the same thing, which is cut out;
+// on spheres light sampling finds only the near side.
+float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine, bool throughVeil) {
     uint light = LOAD(primitiveLightTexels, primitive >> 2u)[primitive & 3u];
     if (light == NO_INDEX) return 0.0;
     uvec4 head = LOAD(lightTexels, light * LIGHT_TEXELS);
@@ -199,7 +214,7 @@ float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine) {
         return pmf * quadPdf(sphericalRectangle(p, a, b, from), t);
     }
     if (has(FEATURE_SPHERE_LIGHTS) && head.x == LIGHT_SPHERE)
-        return pmf * spherePdf(sphereCone(lightTexel(light, 1u).xyz, lightTexel(light, 2u).x, from));
+        return throughVeil ? 0.0 : pmf * spherePdf(sphereCone(lightTexel(light, 1u).xyz, lightTexel(light, 2u).x, from));
     return pmf * areaToSolidAngle(uintBitsToFloat(head.w), t * t, cosine);
 }
 

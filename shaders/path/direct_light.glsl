@@ -54,17 +54,17 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
     if (!isFogPoint(s) && dot(l.wi, s.geometricNormal) * wi.z <= 0.0) return vec3(0);
-    if (has(FEATURE_BSDF_SAMPLING_ONLY) && l.pdf > 0.0) return vec3(0);
+    if (lightsByBsdf() && l.pdf > 0.0) return vec3(0);
     float pdf;
     vec3 diffuse, f = scattered(s, bsdf, wo, wi, pdf, diffuse);
     if (!(maxComponent(f) > 0.0)) return vec3(0);
-    float weight = has(FEATURE_LIGHT_SAMPLING_ONLY) ? 1.0 : powerHeuristic(l.pdf, pdf);
+    float weight = lightsAlone() ? 1.0 : powerHeuristic(l.pdf, pdf);
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
     if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG))
         contribution *= shadowTransmittance(l, wi.z > 0.0 || isFogPoint(s) ? media.near : media.far);
     if (!(maxComponent(contribution) > 0.0)) return vec3(0);
     bool shadows = !has(FEATURE_SHADOW_DEPTH) || bounce < parameters.rules.z;
-    if (shadows && occluded(l, s.primitive, cutoutKey(key, bounce))) return vec3(0);
+    if (shadows && occluded(l, s.primitive, shadowKey(key, bounce))) return vec3(0);
     if (has(FEATURE_LIGHT_PATHS)) {
         if (isFogPoint(s))
             parts.volume += contribution;
@@ -80,12 +80,12 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
 vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media, out FirstScattering parts) {
     parts = noScattering();
     // Of the kinds of lights only those without extent are left to this.
-    if (has(FEATURE_BSDF_SAMPLING_ONLY) && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
+    if (lightsByBsdf() && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
     LightSample l;
-    if (has(FEATURE_ALL_LIGHTS)) {
+    if (lightsAll()) {
         vec3 sum = vec3(0);
-        for (uint light = 0u; light < parameters.path.z; light++)
-            if (sampleEachLight(light, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
+        for (uint group = 0u; group < parameters.lights.y; group++)
+            if (sampleGroup(group, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
         return sum;
     }
     if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);

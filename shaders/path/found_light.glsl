@@ -6,8 +6,8 @@
 
 // Weight of light that the path met by itself, which light sampling finds with lightPdf.
 float emissionWeight(PathState path, float lightPdf) {
-    if (path.delta || has(FEATURE_BSDF_SAMPLING_ONLY)) return 1.0;
-    if (has(FEATURE_LIGHT_SAMPLING_ONLY)) return lightPdf > 0.0 ? 0.0 : 1.0;
+    if (path.delta || lightsByBsdf()) return 1.0;
+    if (lightsAlone()) return lightPdf > 0.0 ? 0.0 : 1.0;
     return powerHeuristic(path.pdf, lightPdf);
 }
 
@@ -38,7 +38,8 @@ void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
     if (!hasEmitters() || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
     if (!emitsTowards(m.flags, s.frontFace)) return;
     float cosine = abs(dot(s.geometricNormal, path.ray.direction));
-    float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine));
+    bool throughVeil = has(FEATURE_CUTOUT) && isCutOut(m.flags) && !s.frontFace;
+    float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine, throughVeil));
     gather(path, m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine)), path.bounce);
 }
 

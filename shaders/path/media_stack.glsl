@@ -35,7 +35,7 @@ void setRelativeIor(uvec4 stack, Surface s, uint channel, inout MaterialPoint m)
     bool solid = (m.flags & MATERIAL_THIN) == 0u && (m.transmission > 0.0 || m.diffuseTransmission > 0.0);
     bool leaves = solid && !s.frontFace;
     uint around = leaves ? withoutMedium(stack, s.material).x : stack.x;
-    if (around == NO_INDEX || m.ior == 0.0) return;
+    if (around == NO_INDEX || m.ior == 0.0 || (m.flags & MATERIAL_INTERFACE) == 0u) return;
     m.ior = leaves && stack.x != s.material ? 1.0 : m.ior / solidIor(around, channel);
     if (m.transmission == 1.0) m.albedoTable = NO_INDEX;
 }

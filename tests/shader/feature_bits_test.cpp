@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
-#include <set>
 
 #include "shaders/gpu_types.h"
 #include "tests/shader/device_fixture.h"
@@ -80,11 +79,6 @@ struct Rendered {
     uint64_t features = 0;
 };
 
-/// Bits that choose how to render rather than what a scene holds: with them the numbers are meant to differ.
-const std::set<uint32_t> kModes{gpu::FEATURE_LIGHT_TREE, gpu::FEATURE_ALL_LIGHTS,
-                                gpu::FEATURE_LIGHT_SAMPLING_ONLY, gpu::FEATURE_BSDF_SAMPLING_ONLY,
-                                gpu::FEATURE_HIDDEN_ENVIRONMENT};
-
 class FeatureBitTest : public DeviceTest, public testing::WithParamInterface<uint32_t> {
 protected:
     Rendered render(const View& view, uint64_t alsoCompiled) {
@@ -116,7 +110,7 @@ TEST_P(FeatureBitTest, ScenesThatDoNotCallForItKeepTheirBits) {
 std::vector<uint32_t> effectBits() {
     std::vector<uint32_t> bits;
     for (uint32_t bit = 0; bit < gpu::FEATURE_COUNT; ++bit)
-        if (!kModes.contains(bit)) bits.push_back(bit);
+        bits.push_back(bit);
     return bits;
 }
 

@@ -61,7 +61,7 @@ LightAnswer pdfAlong(LightQuery q) {
         a.chosen.y = light == q.ask.y ? 1.0 : 0.0;
         if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace)) {
             float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), q.position.xyz, q.normal.xyz);
-            float pdf = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d)));
+            float pdf = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d)), false);
             a.wi.w = pmf > 0.0 ? pdf / pmf : -1.0;
         }
     }

@@ -1,10 +1,11 @@
-// Choosing among many lights: every way gives the same picture; the tree's probabilities are what it samples by;
-// and it is worth having.
+// Choosing among many lights: every way gives the same picture; the tree's probabilities are what it samples
+// by; and it is worth having.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <random>
 
@@ -51,7 +52,8 @@ Scene everyKind() {
     return scene;
 }
 
-/// Small lamps in a plane above the floor, facing down: emissive triangles, `side`² of them, their sum of power fixed.
+/// Small lamps in a plane above the floor, facing down: emissive triangles, `side`² of them, their sum of
+/// power fixed.
 Scene manyLamps(int side, float extent, float height) {
     Scene scene;
     addFloor(scene, extent, matte(glm::vec3(0.5f)));
@@ -61,10 +63,12 @@ Scene manyLamps(int side, float extent, float height) {
     Mesh lamps;
     for (int i = 0; i < side; ++i)
         for (int j = 0; j < side; ++j) {
-            const glm::vec3 p{-extent + pitch * (float(i) + 0.3f * uniform(random)), height * (0.8f + 0.4f * uniform(random)),
+            const glm::vec3 p{-extent + pitch * (float(i) + 0.3f * uniform(random)),
+                              height * (0.8f + 0.4f * uniform(random)),
                               -extent + pitch * (float(j) + 0.3f * uniform(random))};
             const auto first = static_cast<uint32_t>(lamps.positions.size());
-            lamps.positions.insert(lamps.positions.end(), {p, p + glm::vec3(size, 0, 0), p + glm::vec3(0, 0, size)});
+            lamps.positions.insert(lamps.positions.end(),
+                                   {p, p + glm::vec3(size, 0, 0), p + glm::vec3(0, 0, size)});
             lamps.triangles.emplace_back(first, first + 1, first + 2);
         }
     addMesh(scene, lamps, matte(glm::vec3(0), glm::vec3(5)));
@@ -73,8 +77,8 @@ Scene manyLamps(int side, float extent, float height) {
 
 class LightSelectionTest : public DeviceTest {
 protected:
-    std::vector<FilmPixel> frame(const Scene& scene, const Camera& camera, LightSelection selection, uint32_t samples,
-                                 uint32_t bounceCount = 1, uint32_t size = 16) {
+    std::vector<FilmPixel> frame(const Scene& scene, const Camera& camera, LightSelection selection,
+                                 uint32_t samples, uint32_t bounceCount = 1, uint32_t size = 16) {
         RenderSettings settings = bounces(bounceCount, 1 + static_cast<uint32_t>(selection));
         settings.lightSelection = selection;
         return renderFrame(device, scene, camera, square(size), settings, samples);
@@ -91,7 +95,8 @@ TEST_F(LightSelectionTest, EveryWayOfChoosingGivesTheSamePicture) {
     const Scene scene = everyKind();
     const Camera camera = cameraAt({1, 2.5, 3}, {0, 0, 0}, 0.6);
     const Mean all = meanOf(frame(scene, camera, LightSelection::all, 32, 2));
-    for (const LightSelection selection : {LightSelection::power, LightSelection::uniform, LightSelection::tree}) {
+    for (const LightSelection selection :
+         {LightSelection::power, LightSelection::uniform, LightSelection::tree}) {
         SCOPED_TRACE(static_cast<int>(selection));
         expectSame(all, meanOf(frame(scene, camera, selection, 128, 2)));
     }
@@ -122,7 +127,8 @@ TEST_F(LightSelectionTest, PowersOfAnySizeStandTogether) {
     scene.lights = {lampAt({0, 1, 0}, 1e-30f), lampAt({1, 2, 0}, 0), lampAt({0, 2, 0}, 1e15f)};
     scene.areaLights = {quadLight({0, 1, 1}, {0.1, 0, 0}, {0, 0, 0.1}, 0),
                         quadLight({0, 1, 1}, {0, 0, 0}, {0, 0, 1}, 1)};
-    for (const LightSelection selection : {LightSelection::power, LightSelection::all, LightSelection::tree}) {
+    for (const LightSelection selection :
+         {LightSelection::power, LightSelection::all, LightSelection::tree}) {
         const Mean mean = meanOf(frame(scene, cameraAt({-0.7, 0.5, -0.6}, {0, 0, 0}, 1e-4), selection, 4));
         EXPECT_NEAR(mean.value / 1e15, 0.5 / pi / 4, 1e-4) << static_cast<int>(selection);
     }
@@ -198,13 +204,65 @@ TEST_F(LightSelectionTest, TreeSamplesByTheProbabilitiesThatItGives) {
 TEST_F(LightSelectionTest, TenThousandLightsAreUnbiasedAndHaveATenthOfTheVariance) {
     const Scene scene = manyLamps(100, 10, 0.5f);
     const Camera camera = cameraAt({0.5, 0.35, 0.4}, {0, 0, 0}, 0.5);  // sees the floor alone
-    const auto tree = frame(scene, camera, LightSelection::tree, 64), uniform = frame(scene, camera, LightSelection::uniform, 64);
+    const auto tree = frame(scene, camera, LightSelection::tree, 64),
+               uniform = frame(scene, camera, LightSelection::uniform, 64);
     const auto power = frame(scene, camera, LightSelection::power, 64);
     expectSame(meanOf(tree), meanOf(uniform));
     const double ratio = varianceOf(uniform) / varianceOf(tree);
     fmt::print("variance at equal samples: uniform / tree = {:.1f}, power / tree = {:.1f}\n", ratio,
                varianceOf(power) / varianceOf(tree));
     EXPECT_GT(ratio, 10);
+}
+
+/// Two lamps of many triangles each, as two nodes of a file.
+Scene twoLamps() {
+    Scene scene;
+    addFloor(scene, 5, matte(glm::vec3(0.5f)));
+    for (const double x : {-1.5, 1.5}) {
+        addMesh(scene, sphereMesh(16), matte(glm::vec3(0), glm::vec3(4)),
+                glm::scale(glm::translate(glm::dmat4(1), {x, 1.5, 0.}), glm::dvec3(0.4)));
+        scene.instances.back().nodeIndex = static_cast<uint32_t>(scene.instances.size());
+    }
+    return scene;
+}
+
+TEST_F(LightSelectionTest, AllAsksEachLampOnce) {
+    const Scene scene = twoLamps();
+    const Camera camera = cameraAt({0, 3, 4}, {0, 0, 0}, 0.6);
+    RenderSettings settings = bounces(1);
+    settings.lightSelection = LightSelection::all;
+    Renderer renderer(device, scene, camera, square(16), settings);
+    renderer.render(0, std::vector<uint32_t>{0}, {0, 16});
+    const RenderStats& stats = renderer.stats();
+    // The camera's ray, one to each lamp, and the one that goes on.
+    EXPECT_LE(stats.rays, 4 * stats.samples);
+    EXPECT_EQ(renderer.lights().lights, 2u);
+    EXPECT_EQ(renderer.lights().emissiveGroups, 2u);
+    EXPECT_GT(renderer.lights().emissiveTriangles, 1800u);
+    expectSame(meanOf(frame(scene, camera, LightSelection::all, 64, 2)),
+               meanOf(frame(scene, camera, LightSelection::power, 128, 2)));
+}
+
+TEST_F(LightSelectionTest, WhereDispatchesAreCutDoesNotShow) {
+    // Two thousand lamps, most of them below the floor: by their number a dispatch takes half a tile, or a
+    // smaller one.
+    Scene scene;
+    addFloor(scene, 5, matte(glm::vec3(0.5f)));
+    for (int i = 0; i < 2000; ++i) scene.lights.push_back(lampAt({0.002 * i, i < 4 ? 1.0 : -1.0, 0.3}, 0.2f));
+    RenderSettings settings = bounces(1);
+    settings.lightSelection = LightSelection::all;
+    const Camera camera = cameraAt({0, 3, 4}, {0, 0, 0}, 0.6);
+    const auto rendered = [&](uint32_t tile) {
+        Renderer renderer(device, scene, camera, square(128, tile), settings);
+        std::vector<PassPixel> pixels(size_t{128} * 128);
+        for (const PassFilm& film : renderer.render(0, allTiles(square(128, tile)), {0, 2}))
+            for (size_t i = 0; i < film.pixels.size(); ++i)
+                pixels[(film.rect.y + i / film.rect.width) * 128 + film.rect.x + i % film.rect.width] =
+                    film.pixels[i];
+        return pixels;
+    };
+    const std::vector<PassPixel> large = rendered(128), small = rendered(32);
+    EXPECT_EQ(std::memcmp(large.data(), small.data(), large.size() * sizeof(PassPixel)), 0);
 }
 
 }  // namespace

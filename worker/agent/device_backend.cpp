@@ -14,7 +14,6 @@ namespace {
 SceneCounts countsOf(const Scene& scene) {
     SceneCounts counts;
     counts.instances = scene.instances.size();
-    counts.lights = scene.lights.size() + scene.areaLights.size();
     counts.materials = scene.materials.size();
     counts.images = scene.images.size();
     counts.degenerateTriangles = scene.degenerateTriangles;
@@ -54,6 +53,7 @@ public:
         PreparedScene prepared;
         prepared.counts = countsOf(scene);
         prepared.counts.triangles = renderer_->triangleCount();
+        prepared.counts.lights = renderer_->lights();
         prepared.counts.degenerateTriangles += renderer_->degenerateTriangles();
         prepared.warnings = scene.warnings;
         prepared.features = renderer_->features();

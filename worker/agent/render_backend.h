@@ -20,8 +20,9 @@ struct SceneFiles {
 };
 
 struct SceneCounts {
-    uint64_t triangles = 0, instances = 0, lights = 0, materials = 0, images = 0, degenerateTriangles = 0,
+    uint64_t triangles = 0, instances = 0, materials = 0, images = 0, degenerateTriangles = 0,
              sanitisedTexels = 0;
+    LightCounts lights;
 };
 
 /// What there is to say of a scene that has become resident.

@@ -80,6 +80,23 @@ uint64_t lightingFeatures(const RenderSettings& settings, const Environment& env
     return features;
 }
 
+// Cheap integrators ask all lights in any case, each in its middle.
+LightSelection selectionOf(const RenderSettings& settings) {
+    const bool groups =
+        settings.lightSelection == LightSelection::all && settings.integrator == Integrator::path;
+    return groups || settings.lightSelection != LightSelection::all ? settings.lightSelection
+                                                                    : LightSelection::uniform;
+}
+
+uint32_t lightRules(const RenderSettings& settings, const PackedLights& lights) {
+    uint32_t rules = 0;
+    if (!lights.tree.empty()) rules |= gpu::LIGHTS_BY_TREE;
+    if (lights.groups > 0) rules |= gpu::LIGHTS_ALL;
+    if (settings.directLight == DirectLight::lights) rules |= gpu::LIGHTS_ALONE;
+    if (settings.directLight == DirectLight::bsdf) rules |= gpu::LIGHTS_BY_BSDF;
+    return rules;
+}
+
 class Uploader {
 public:
     Uploader(const gpu::Device& device, std::vector<gpu::TexelBuffer>& buffers, const GpuScene* like)
@@ -126,7 +143,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.images = textures.images;
     result.fog = placeFog(scene.fog, world);
     result.solids = Solids(scene, world);
-    PackedLights lights = packLights(scene, world, result.environmentFlux, settings.lightSelection);
+    PackedLights lights = packLights(scene, world, result.environmentFlux, selectionOf(settings));
 
     result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |
                       lightingFeatures(settings, scene.environment) |
@@ -137,6 +154,9 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     result.slots = bvh.triangleCount;
     if (!world.shapes.empty()) result.shapeSlots = shapeSlotsOf(bvh);
     result.lightCount = static_cast<uint32_t>(lights.records.size());
+    result.lightGroups = lights.groups;
+    result.lightRules = lightRules(settings, lights);
+    result.lights = lights.counts;
     result.environmentLight = lights.environmentLight;
     const double turns = scene.environment.rotation / (2 * std::numbers::pi);
     result.environmentTurns = turns - std::floor(turns);
@@ -173,6 +193,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
 void setLights(gpu::FrameParameters& p, const GpuScene& scene) {
     p.path.z = scene.lightCount;
     p.path.w = scene.environmentLight;
+    p.lights = {scene.lightRules, scene.lightGroups, 0, 0};
     p.environment = {scene.environmentWidth, scene.environmentHeight, scene.firstSun, scene.sunCount};
     p.environmentPdf.w = scene.environmentHidden ? 1.f : 0.f;
     if (scene.environmentWeightSum > 0) {

@@ -5,6 +5,7 @@
 #include "shaders/gpu_types.h"
 #include "worker/bvh/bvh.h"
 #include "worker/render/fog_parameters.h"
+#include "worker/render/light_counts.h"
 #include "worker/render/media.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/world.h"
@@ -19,6 +20,9 @@ struct GpuScene {
     uint32_t vertexTexels = 1;
     uint32_t stackSize = 0;  // SPEC_STACK_SIZE: entries that a traversal may have waiting
     uint32_t lightCount = 0;
+    uint32_t lightGroups = 0;  // 0: lights are not chosen from each group
+    uint32_t lightRules = 0;   // LIGHTS_*
+    LightCounts lights;
     uint32_t environmentLight = gpu::NO_INDEX;
     uint32_t environmentWidth = 0, environmentHeight = 0;
     double environmentWeightSum = 0;

@@ -1,5 +1,6 @@
 #include "worker/render/interface_packer.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tilefarm {
@@ -27,6 +28,14 @@ bool tintsSpecular(const Material& m) {
            m.specularColorTexture || m.specularTint > 0;
 }
 
+// A strong dispersion brings red's index, or blue's, down to that of air, which deflects nothing, like a
+// mirror. The kernel may round to it where the host does not.
+bool dispersesToAir(const Material& m) {
+    constexpr float kAir = 1 + 1e-5f;
+    return m.dispersion > 0 && isSolid(m) &&
+           std::min(dispersedIor(m.ior, m.dispersion, 0), dispersedIor(m.ior, m.dispersion, 2)) <= kAir;
+}
+
 // A texture can only lower metallic and roughness, so with one any lower value may occur.
 uint64_t dielectricFeatures(const Material& m, const RenderSettings& settings) {
     uint64_t features = 0;
@@ -42,7 +51,7 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
     if (kind == Microfacets::beckmann) features |= gpu::bit(gpu::FEATURE_BECKMANN);
     if (kind == Microfacets::phong) features |= gpu::bit(gpu::FEATURE_PHONG);
     if (m.anisotropy > 0) features |= gpu::bit(gpu::FEATURE_ANISOTROPY);
-    if (isSmooth(m) || m.metallicRoughnessTexture || (m.transmission > 0 && m.ior == 1))
+    if (isSmooth(m) || m.metallicRoughnessTexture || (m.transmission > 0 && m.ior == 1) || dispersesToAir(m))
         features |= gpu::bit(gpu::FEATURE_MIRROR);
     if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0 || settings.regularisation > 0))
         features |= gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);

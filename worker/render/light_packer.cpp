@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 
 #include "worker/render/alias_table.h"
 #include "worker/render/light_tree.h"
@@ -22,19 +24,34 @@ struct Lights {
     std::vector<gpu::LightRecord> records;
     std::vector<double> powers;
     std::vector<LightBounds> bounds;
+    std::vector<uint32_t> groups;  // first light of each
 
-    bool add(gpu::LightRecord record, const glm::vec3& value, double power, const LightBounds& bound) {
+    /// `object`: lights of one that follow each other are a group.
+    bool add(gpu::LightRecord record, const glm::vec3& value, double power, const LightBounds& bound,
+             std::optional<uint64_t> object = std::nullopt) {
         if (!(power > 0) || !std::isfinite(power)) return false;
         record.red = value.r;
         record.green = value.g;
         record.blue = value.b;
+        if (!object || object != lastObject_) groups.push_back(next());
+        lastObject_ = object;
         records.push_back(record);
         powers.push_back(power);
         bounds.push_back(bound);
         return true;
     }
     uint32_t next() const { return static_cast<uint32_t>(records.size()); }
+
+private:
+    std::optional<uint64_t> lastObject_;
 };
+
+// What the triangles of one mesh at one node have in common; instances that no node places are alone.
+uint64_t objectOf(const Scene& scene, const WorldGeometry& world, uint32_t triangle) {
+    const uint32_t instance = world.triangleInstance[triangle];
+    const bool placed = instance < scene.instances.size() && scene.instances[instance].nodeIndex != kNone;
+    return placed ? scene.instances[instance].nodeIndex : uint64_t{kNone} + 1 + instance;
+}
 
 // Bounds of a flat emitter: Lambert, so the intensity is greatest along the normal.
 LightBounds flatBounds(const std::initializer_list<glm::vec3>& corners, const glm::dvec3& normal,
@@ -64,15 +81,15 @@ void addTriangle(const Scene& scene, const WorldGeometry& world, const EmissiveT
     record.p = world.positions[corners.x];
     record.a = world.positions[corners.y] - record.p;
     record.b = world.positions[corners.z] - record.p;
-    const double intensity =
-        luminance(glm::dvec3(material.emission) *
-                  averageOverTriangle(scene, material.emissionTexture, world, triangle.triangle)) *
-        triangle.area;
+    const double intensity = luminance(glm::dvec3(material.emission) *
+                                       averageEmission(scene, material, world, triangle.triangle)) *
+                             triangle.area;
     const glm::dvec3 normal = glm::cross(glm::dvec3(record.a), glm::dvec3(record.b));
     const uint32_t index = lights.next();
     if (lights.add(record, material.emission, pi * intensity * (material.doubleSided ? 2 : 1),
                    flatBounds({record.p, world.positions[corners.y], world.positions[corners.z]}, normal,
-                              intensity, material.doubleSided)))
+                              intensity, material.doubleSided),
+                   objectOf(scene, world, triangle.triangle)))
         packed.primitiveLights[triangle.triangle] = index;
     else
         ++packed.darkTriangles;
@@ -101,7 +118,12 @@ bool addQuad(const QuadLight& quad, Lights& lights, PackedLights& packed) {
 // Even over the whole surface, whatever way light leaves it.
 bool emitsEvenly(const Material& material) {
     return !material.unlit && material.emission != glm::vec3(0) && !material.emissionTexture &&
-           material.clearcoat == 0 && material.alphaMode == AlphaMode::opaque;
+           material.clearcoat == 0 && (material.alphaMode == AlphaMode::opaque || !material.baseColorTexture);
+}
+
+// Of a shape that emits evenly: what leaves it, on average over what is there and what is not.
+glm::vec3 coveredEmission(const Material& material) {
+    return material.emission * static_cast<float>(coverageOf(material, material.alpha));
 }
 
 // Sides at right angles, as the sampling of its solid angle needs them.
@@ -120,7 +142,7 @@ QuadLight quadOf(const Shape& shape, const Material& material) {
     quad.corner = glm::dvec3(shape.toWorld[3]) - u - v;
     quad.a = 2.0 * u;
     quad.b = 2.0 * v;
-    quad.radiance = material.emission;
+    quad.radiance = coveredEmission(material);
     quad.twoSided = material.doubleSided;
     return quad;
 }
@@ -146,9 +168,10 @@ void addSphere(const Shape& shape, const Material& material, uint32_t primitive,
     bounds.upper = centre + radius;
     bounds.thetaO = pi;
     bounds.thetaE = pi / 2;
-    bounds.intensity = luminance(material.emission) * pi * radius * radius;
+    const glm::vec3 emission = coveredEmission(material);
+    bounds.intensity = luminance(emission) * pi * radius * radius;
     const uint32_t index = lights.next();
-    if (!lights.add(record, material.emission, 4 * pi * bounds.intensity, bounds)) return;
+    if (!lights.add(record, emission, 4 * pi * bounds.intensity, bounds)) return;
     packed.primitiveLights[primitive] = index;
     packed.features |= gpu::bit(gpu::FEATURE_SPHERE_LIGHTS);
 }
@@ -164,6 +187,7 @@ void addShapes(const Scene& scene, const WorldGeometry& world, Lights& lights, P
             addSphere(shape, material, primitive, lights, packed);
         } else if (material.emission != glm::vec3(0) && !material.unlit) {
             packed.features |= gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES);
+            ++packed.counts.lights;
         }
     }
 }
@@ -262,14 +286,41 @@ bool wantsTree(const Lights& lights) {
     return lights.bounds.size() >= kLeastLightsForTree || (infinite > 0 && infinite < lights.bounds.size());
 }
 
+// One of each group, by power: for every group a table of its own.
+void chooseInGroups(const Lights& lights, PackedLights& packed) {
+    const std::span powers(lights.powers);
+    packed.groups = static_cast<uint32_t>(lights.groups.size());
+    for (size_t i = 0; i < lights.groups.size(); ++i) {
+        const uint32_t first = lights.groups[i],
+                       end = i + 1 < lights.groups.size() ? lights.groups[i + 1] : lights.next();
+        for (gpu::AliasRecord entry : buildAliasTable(powers.subspan(first, end - first))) {
+            entry.alias += first;
+            packed.alias.push_back(entry);
+        }
+    }
+    for (size_t i = 0; i < lights.groups.size(); ++i) packed.alias[i].trail = lights.groups[i];
+    packed.features |= gpu::bit(gpu::FEATURE_ALL_LIGHTS);
+}
+
+void countLights(const Lights& lights, PackedLights& packed) {
+    const auto type = [&](uint32_t light) { return lights.records[light].type; };
+    for (const uint32_t first : lights.groups) {
+        packed.counts.lights += type(first) != gpu::LIGHT_ENVIRONMENT;
+        packed.counts.emissiveGroups += type(first) == gpu::LIGHT_TRIANGLE;
+    }
+    for (uint32_t i = 0; i < lights.next(); ++i)
+        packed.counts.emissiveTriangles += type(i) == gpu::LIGHT_TRIANGLE;
+}
+
 void chooseBy(LightSelection selection, const Lights& lights, PackedLights& packed) {
-    const bool byPower = selection == LightSelection::power || selection == LightSelection::tree;
-    packed.alias = buildAliasTable(byPower ? lights.powers : std::vector<double>(lights.powers.size(), 1.0));
+    if (selection == LightSelection::all && lights.groups.size() > 1)
+        chooseInGroups(lights, packed);
+    else
+        packed.alias = buildAliasTable(selection == LightSelection::uniform
+                                           ? std::vector<double>(lights.powers.size(), 1.0)
+                                           : lights.powers);
     packed.records = lights.records;
-    for (size_t i = 0; i < packed.records.size(); ++i)
-        packed.records[i].pmf = selection == LightSelection::all ? 1 : packed.alias[i].pmf;
-    if (selection == LightSelection::all && packed.records.size() > 1)
-        packed.features |= gpu::bit(gpu::FEATURE_ALL_LIGHTS);
+    for (size_t i = 0; i < packed.records.size(); ++i) packed.records[i].pmf = packed.alias[i].pmf;
     if (selection != LightSelection::tree || !wantsTree(lights)) return;
     LightTree tree = buildLightTree(lights.bounds);
     packed.tree = std::move(tree.children);
@@ -293,6 +344,7 @@ PackedLights packLights(const Scene& scene, const WorldGeometry& world, double e
         if (isSun(light)) addSun(light, sceneRadius, lights, packed);
     packed.sunCount = lights.next() - packed.firstSun;
     addEnvironment(environmentFlux, sceneRadius, lights, packed);
+    countLights(lights, packed);
     if (!lights.records.empty()) chooseBy(selection, lights, packed);
     return packed;
 }

@@ -7,6 +7,7 @@
 #include "worker/render/interface_packer.h"
 #include "worker/render/layer_packer.h"
 #include "worker/render/layer_tables.h"
+#include "worker/render/neutral_record.h"
 
 namespace tilefarm {
 namespace {
@@ -133,6 +134,7 @@ void MaterialPacker::add(const Material& material, bool used) {
         if (!material.unlit) bindLayerTables(record, material);
         bindTextures(record, material);
         bindInterfaceTextures(record, material, called, textures_);
+        neutralise(record, called);
         features |= called | (readsTextures(record) ? gpu::bit(gpu::FEATURE_TEXTURES) : 0);
     }
     records.push_back(record);

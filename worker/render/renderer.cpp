@@ -8,6 +8,7 @@
 
 #include "shared/error/error.h"
 #include "worker/render/camera_parameters.h"
+#include "worker/render/dispatch_budget.h"
 #include "worker/render/dispatch_counts.h"
 #include "worker/render/features.h"
 #include "worker/render/gpu_scene.h"
@@ -23,10 +24,6 @@ namespace {
 
 // The largest storage buffer that lavapipe binds: a film of 2^21 pixels.
 constexpr uint64_t kFilmBytes = uint64_t{128} << 20;
-// Samples per dispatch. Long dispatches are best on lavapipe; drivers of GPUs reset one that runs for
-// seconds. Where a pass is cut does not show in its bits: the film carries the running sums.
-constexpr uint64_t kSamplesPerDispatchCpu = uint64_t{1} << 22;
-constexpr uint64_t kSamplesPerDispatchGpu = uint64_t{1} << 26;
 constexpr uint32_t kSamplesPerDraw = 16;  // of one run of draws, each with the whole scene
 constexpr uint32_t kGroupSize = 8;
 
@@ -94,6 +91,7 @@ struct Renderer::Impl {
     uint32_t tilesPerBatch;
     gpu::StorageBuffer tileBuffer, filmBuffer, counterBuffer;
     RenderStats stats;
+    DispatchBudget budget;
 
 private:
     Moment makeMoment(const Scene& scene, uint64_t alsoCompiled, const GpuScene* like);
@@ -103,7 +101,11 @@ private:
                      std::vector<PassFilm>& films);
     void uploadTiles(std::span<const uint32_t> tiles);
     std::vector<uint32_t> dispatch(const Moment& moment, uint32_t tileCount,
-                                   const gpu::PassConstants& constants);
+                                   const gpu::PassConstants& constants, uint32_t rows);
+    uint32_t tilesPerDispatch() const;
+    uint32_t rowsPerDispatch(size_t tiles) const;
+    void renderRows(const Moment& moment, gpu::PassConstants pass, std::span<const uint32_t> tiles,
+                    std::span<PassFaults> faults);
     void countFaults(const DispatchCounts& counts, std::span<const uint32_t> tiles,
                      std::span<PassFaults> faults);
     bool traces() const { return (wanted & kernel.shows & gpu::bit(gpu::FEATURE_TRACE)) != 0; }
@@ -128,7 +130,8 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
                    : static_cast<uint32_t>(std::clamp<uint64_t>(kFilmBytes / tileBytes(), 1, grid.count()))),
       tileBuffer(on, sizeof(gpu::uvec4) * tilesPerBatch, "tiles"),
       filmBuffer(on, filmBytes(), "film"),
-      counterBuffer(on, sizeof(uint32_t) * DispatchCounts::words(tilesPerBatch), "counters") {
+      counterBuffer(on, sizeof(uint32_t) * DispatchCounts::words(tilesPerBatch), "counters"),
+      budget(on.info().cpu, how.maxBounces) {
     if (kernel.draws) raster.emplace(device, image);
     setScenes(1, [&](uint32_t) -> const Scene& { return source; });
 }
@@ -171,6 +174,8 @@ void Renderer::Impl::setScenes(uint32_t steps, const std::function<const Scene&(
             moments.push_back(makeMoment(sceneOf(i), wanted, like ? &*like : nullptr));
             if (!like) like = moments.front().scene;
             wanted |= moments.back().scene.features;
+            const GpuScene& packed = moments.back().scene;
+            budget.expect(packed.lightGroups > 0 ? packed.lightGroups : std::min(packed.lightCount, 1u));
         }
     } while (!packedAlike());
     compileIfNeeded();
@@ -200,7 +205,7 @@ void Renderer::Impl::compileIfNeeded() {
     const std::vector<gpu::uvec4> none(tilesPerBatch);
     tileBuffer.upload(gpu::bytesOf(none));
     const RenderStats before = stats;
-    dispatch(moments.front(), 1, {0, 0, 1, 0, image.tileSize, 0});
+    dispatch(moments.front(), 1, {0, 0, 1, 0, image.tileSize, 0, 0}, image.tileSize);
     stats = before;
     times.pipelineSeconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -259,16 +264,18 @@ void Renderer::Impl::countFaults(const DispatchCounts& counts, std::span<const u
     for (size_t i = 0; i < faults.size(); ++i) counts.addTile(i, faults[i]);
 }
 
-// Gives the counters.
+// Gives the counters. `rows` of the tiles, from pass.firstRow on.
 std::vector<uint32_t> Renderer::Impl::dispatch(const Moment& moment, uint32_t tileCount,
-                                               const gpu::PassConstants& constants) {
-    const uint32_t groups = (image.tileSize + kGroupSize - 1) / kGroupSize;
+                                               const gpu::PassConstants& constants, uint32_t rows) {
+    const auto groupsOf = [](uint32_t pixels) { return (pixels + kGroupSize - 1) / kGroupSize; };
+    const uint32_t groups = groupsOf(image.tileSize);
     counterBuffer.zero();
     gpu::CommandRun run(device);
     if (raster)
         raster->add(run, *pipeline, moment.bindings, constants, moment.vertices, groups, tileCount);
     else
-        run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groups, tileCount);
+        run.dispatch(*pipeline, moment.bindings, gpu::bytesOfValue(constants), groups, groupsOf(rows),
+                     tileCount);
     const size_t counters = run.read(counterBuffer, 0, sizeof(uint32_t) * DispatchCounts::words(tileCount));
     gpu::Submission submission = run.submit();
     stats.deviceSeconds += submission.wait();
@@ -299,6 +306,29 @@ PassFilm Renderer::Impl::cropped(uint32_t tile, SampleRange samples, const std::
     return result;
 }
 
+// A draw is of whole tiles, as many as there are.
+uint32_t Renderer::Impl::tilesPerDispatch() const {
+    const uint64_t pixels = uint64_t{image.tileSize} * image.tileSize;
+    return raster ? tilesPerBatch
+                  : static_cast<uint32_t>(std::clamp<uint64_t>(budget.samples() / pixels, 1, tilesPerBatch));
+}
+
+uint32_t Renderer::Impl::rowsPerDispatch(size_t tiles) const {
+    if (raster) return image.tileSize;
+    const uint64_t rows = budget.samples() / (uint64_t{image.tileSize} * tiles);
+    return static_cast<uint32_t>(std::clamp<uint64_t>(rows / kGroupSize * kGroupSize, kGroupSize, 1u << 16));
+}
+
+void Renderer::Impl::renderRows(const Moment& moment, gpu::PassConstants pass,
+                                std::span<const uint32_t> tiles, std::span<PassFaults> faults) {
+    const uint32_t rows = rowsPerDispatch(tiles.size());
+    for (pass.firstRow = 0; pass.firstRow < image.tileSize; pass.firstRow += rows) {
+        const std::vector<uint32_t> counts = dispatch(moment, static_cast<uint32_t>(tiles.size()), pass,
+                                                      std::min(rows, image.tileSize - pass.firstRow));
+        countFaults(DispatchCounts(counts), tiles, faults);
+    }
+}
+
 // Samples of one moment after those of another, so the order within a pass, and with it its rounding, is
 // fixed.
 void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples,
@@ -306,7 +336,7 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     uploadTiles(tiles);
     uint64_t pixels = 0;
     for (const uint32_t tile : tiles) pixels += grid.rect(tile).area();
-    uint64_t most = device.info().cpu ? kSamplesPerDispatchCpu : kSamplesPerDispatchGpu;
+    uint64_t most = budget.samples();
     if (raster) most = std::min(most, kSamplesPerDraw * pixels);
     // One sample at a time leaves room for thousands of bounces; 256 of them lost light in some scenes.
     if (device.info().boundedLoops) most = pixels;
@@ -317,12 +347,11 @@ void Renderer::Impl::renderBatch(int32_t frame, std::span<const uint32_t> tiles,
     for (uint32_t i = 0; i < std::min(moment, samples.count); ++i) {
         const uint32_t first = samples.first + i, count = (samples.count - i + moment - 1) / moment;
         for (uint32_t done = 0; done < count; done += step, continued = 1) {
+            const uint64_t before = stats.rays;
             const gpu::PassConstants pass{
-                first + done * moment, std::min(step, count - done), moment, continued, image.tileSize, 0};
-            const std::vector<uint32_t> counts =
-                dispatch(moments[shutterStep(first, moment, settings.seed, frame)],
-                         static_cast<uint32_t>(tiles.size()), pass);
-            countFaults(DispatchCounts(counts), tiles, faults);
+                first + done * moment, std::min(step, count - done), moment, continued, image.tileSize, 0, 0};
+            renderRows(moments[shutterStep(first, moment, settings.seed, frame)], pass, tiles, faults);
+            budget.measured(stats.rays - before, pixels * pass.sampleCount);
         }
     }
     stats.samples += pixels * samples.count;
@@ -348,9 +377,11 @@ std::vector<PassFilm> Renderer::Impl::render(int32_t frame, std::span<const uint
     setParameters(frame);
     std::vector<PassFilm> films;
     films.reserve(tiles.size());
-    for (size_t first = 0; first < tiles.size(); first += tilesPerBatch)
-        renderBatch(frame, tiles.subspan(first, std::min<size_t>(tilesPerBatch, tiles.size() - first)),
-                    samples, films);
+    for (size_t first = 0; first < tiles.size();) {
+        const size_t count = std::min<size_t>(tilesPerDispatch(), tiles.size() - first);
+        renderBatch(frame, tiles.subspan(first, count), samples, films);
+        first += count;
+    }
     return films;
 }
 
@@ -363,7 +394,7 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
     tileBuffer.upload(gpu::bytesOfValue(gpu::uvec4(x, y, 1, 1)));
     const auto steps = static_cast<uint32_t>(moments.size());
     dispatch(moments[shutterStep(sample, steps, settings.seed, frame)], 1,
-             {sample, 1, 1, 0, image.tileSize, 0});
+             {sample, 1, 1, 0, image.tileSize, 0, 0}, image.tileSize);
     std::vector<gpu::vec4> texels((filmBytes() - tileBytes()) / sizeof(gpu::vec4));
     filmBuffer.read(std::as_writable_bytes(std::span(texels)), tileBytes());
     SampleTrace result;
@@ -411,6 +442,9 @@ const PrepareTimes& Renderer::prepareTimes() const {
 }
 uint64_t Renderer::featureBits() const {
     return impl_->compiled.features;
+}
+const LightCounts& Renderer::lights() const {
+    return impl_->moments.front().scene.lights;
 }
 uint64_t Renderer::triangleCount() const {
     return impl_->moments.front().scene.triangles;

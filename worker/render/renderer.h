@@ -9,6 +9,7 @@
 
 #include "shared/film/film.h"
 #include "shared/job/job.h"
+#include "worker/render/light_counts.h"
 #include "worker/scene/scene.h"
 
 namespace tilefarm::gpu {
@@ -90,6 +91,7 @@ public:
     uint64_t triangleCount() const;
     /// Left out although the scene names them: collapsed by a transform, or beyond a float.
     uint64_t degenerateTriangles() const;
+    const LightCounts& lights() const;
     /// FEATURE_* bits that the kernel holds.
     uint64_t featureBits() const;
 

@@ -148,7 +148,10 @@ private:
         const std::string name = node["name"].textOr(fmt::format("nodes/{}", index));
         const glm::dmat4& toWorld = tree_.toWorld(index);
         if (const JsonNode mesh = node["mesh"]) {
+            const size_t first = load_.scene.instances.size();
             addInstances(node, mesh.index(meshes_.count(), "/meshes"), toWorld, name);
+            for (size_t i = first; i < load_.scene.instances.size(); ++i)
+                load_.scene.instances[i].nodeIndex = index;
         }
         if (std::optional<Shape> shape = shapes_.shapeOf(node, toWorld)) {
             meshes_.use(shape->material);

@@ -134,6 +134,7 @@ struct Instance {
     uint32_t mesh = 0;
     glm::dmat4 toWorld{1};  // composed in double
     std::string node;
+    uint32_t nodeIndex = kNone;  // in the file; instances of one node are one light where they emit
 };
 
 enum class PunctualType : uint32_t { point, spot, directional };

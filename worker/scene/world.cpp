@@ -317,6 +317,9 @@ private:
         addTriangles(mesh, range, skewed && light.radiance != glm::vec3(0));
         range.triangleCount = out_.triangleCount() - range.firstTriangle;
         out_.instances.push_back(range);
+        // Where rounding took one of the triangles, the other emits by itself.
+        if (!skewed && range.triangleCount == 1 && light.radiance != glm::vec3(0))
+            out_.emissive.push_back({range.firstTriangle, areaOf(out_.triangles[range.firstTriangle])});
         if (skewed || range.triangleCount != 2) return;
         const glm::vec3* p = &out_.positions[range.firstVertex];
         out_.quads.push_back(

@@ -12,7 +12,7 @@ struct LocalReportTest : testing::Test {
     LocalReportTest() {
         spec.scene = {
             "a.gltf", {{"a.gltf", std::string(64, 'a')}, {"sky.hdr", std::string(64, 'b')}}, "sky.hdr"};
-        scene.counts = {12, 3, 1, 2, 4, 5};
+        scene.counts = {12, 3, 2, 4, 5, 0, {3, 1, 24}};
         scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
         scene.features = {{"environment"}, {"textures"}, {}};
         scene.loadSeconds = 0.5;
@@ -35,6 +35,9 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["scene"]["files"]["sky.hdr"], std::string(64, 'b'));
     EXPECT_EQ(report["scene"]["triangles"], 12);
     EXPECT_EQ(report["scene"]["degenerateTriangles"], 5);
+    EXPECT_EQ(report["scene"]["lights"], 3);
+    EXPECT_EQ(report["scene"]["emissiveGroups"], 1);
+    EXPECT_EQ(report["scene"]["emissiveTriangles"], 24);
     EXPECT_EQ(report["device"], "Fake");
     EXPECT_EQ(report["image"]["tileSize"], 128);
     EXPECT_EQ(report["settings"]["maxBounces"], 8);

@@ -100,5 +100,94 @@ TEST(LightPacker, PlantsATreeWhereItIsWorthItsCost) {
     EXPECT_FALSE(plantsATree(emissiveSquare(1, glm::vec3(0)), 10)) << "an environment alone";
 }
 
+TEST(LightPacker, PowerCountsWhatIsThereOfACutOutEmitter) {
+    // Two squares: an opaque one and one of alpha 0.25.
+    Scene scene = emissiveSquare(1, glm::vec3(1));
+    Scene other = emissiveSquare(1, glm::vec3(1));
+    other.materials[0].alphaMode = AlphaMode::blend;
+    other.materials[0].alpha = 0.5f;
+    other.meshes[0].colors.assign(4, {1, 1, 1, 0.5f});
+    other.meshes[0].material = 1;
+    scene.materials.push_back(other.materials[0]);
+    scene.meshes.push_back(other.meshes[0]);
+    scene.instances.push_back({1, glm::dmat4(1), "second"});
+    const PackedLights lights = packLights(scene, flatten(scene), 0);
+    ASSERT_EQ(lights.records.size(), 4u);
+    EXPECT_NEAR(lights.records[0].pmf, 0.5 / 1.25, 1e-6);
+    EXPECT_NEAR(lights.records[2].pmf, 0.125 / 1.25, 1e-6);
+}
+
+TEST(LightPacker, WhatIsCutAwayIsNoLight) {
+    Scene scene = emissiveSquare(1, glm::vec3(1));
+    scene.materials[0].alpha = 0.4f;
+    EXPECT_EQ(packLights(scene, flatten(scene), 0).records.size(), 2u) << "opaque: alpha is not read";
+    scene.materials[0].alphaMode = AlphaMode::mask;
+    EXPECT_TRUE(packLights(scene, flatten(scene), 0).records.empty());
+    scene.materials[0].alphaMode = AlphaMode::blend;
+    scene.materials[0].alpha = 0;
+    EXPECT_TRUE(packLights(scene, flatten(scene), 0).records.empty());
+}
+
+TEST(LightPacker, AnEvenVeilOfAShapeIsALight) {
+    Scene scene;
+    Material material;
+    material.emission = glm::vec3(2);
+    material.alphaMode = AlphaMode::blend;
+    material.alpha = 0.25f;
+    scene.materials = {material};
+    Shape shape;
+    shape.kind = ShapeKind::rectangle;
+    scene.shapes = {shape};
+    const PackedLights lights = packLights(scene, flatten(scene), 0);
+    ASSERT_EQ(lights.records.size(), 1u);
+    EXPECT_FLOAT_EQ(lights.records[0].red, 0.5f);
+    EXPECT_EQ(lights.counts.lights, 1u);
+}
+
+/// Squares at the nodes named by their index.
+Scene squaresAt(const std::vector<uint32_t>& nodes) {
+    Scene scene = emissiveSquare(1, glm::vec3(1));
+    scene.instances.clear();
+    for (const uint32_t node : nodes) {
+        Instance instance;
+        instance.nodeIndex = node;
+        instance.toWorld[3].x = 3.0 * static_cast<double>(scene.instances.size());
+        scene.instances.push_back(instance);
+    }
+    return scene;
+}
+
+TEST(LightPacker, AllAsksOneEmitterOfEachNode) {
+    Scene scene = squaresAt({4, 4, 7});
+    scene.lights = {pointLight(1)};
+    const PackedLights lights = packLights(scene, flatten(scene), 0, LightSelection::all);
+    ASSERT_EQ(lights.records.size(), 7u);
+    EXPECT_EQ(lights.groups, 3u);
+    for (const auto& [group, first] : {std::pair{0u, 0u}, {1u, 4u}, {2u, 6u}})
+        EXPECT_EQ(lights.alias[group].trail, first);
+    const float expected[]{0.25f, 0.25f, 0.25f, 0.25f, 0.5f, 0.5f, 1};
+    for (size_t i = 0; i < lights.records.size(); ++i)
+        EXPECT_NEAR(lights.records[i].pmf, expected[i], 1e-6) << i;
+    for (uint32_t i = 4; i < 6; ++i) EXPECT_TRUE(lights.alias[i].alias == 4 || lights.alias[i].alias == 5);
+    EXPECT_EQ(lights.counts.lights, 3u);
+    EXPECT_EQ(lights.counts.emissiveGroups, 2u);
+    EXPECT_EQ(lights.counts.emissiveTriangles, 6u);
+}
+
+TEST(LightPacker, OneLampIsChosenFromByPower) {
+    const Scene scene = squaresAt({4, 4});
+    const PackedLights lights = packLights(scene, flatten(scene), 0, LightSelection::all);
+    EXPECT_EQ(lights.groups, 0u);
+    EXPECT_EQ(lights.features, gpu::bit(gpu::FEATURE_EMISSIVE_TRIANGLES));
+    EXPECT_NEAR(sumOfPmf(lights), 1, 1e-6);
+}
+
+TEST(LightPacker, CountsWhatShinesAndNothingElse) {
+    Scene scene = squaresAt({0});
+    scene.lights = {pointLight(0), pointLight(2)};
+    const PackedLights lights = packLights(scene, flatten(scene), 5);
+    EXPECT_EQ(lights.counts.lights, 2u) << "a lamp and a square; not the dark lamp nor the environment";
+}
+
 }  // namespace
 }  // namespace tilefarm
