@@ -224,7 +224,7 @@ void ResultMerger::removeSpentFiles(const Plan& plan) const {
     if (plan.spent.empty()) return;
     std::set<std::string> unused = plan.spent;
     store_.read([&](const ConstTables& t) {
-        for (const PassRow& row : t.passes.held()) unused.erase(row.held->file);
+        std::erase_if(unused, [&](const std::string& file) { return t.passes.isHeld(file); });
     });
     for (const std::string& file : unused) films_.removeHeld(file);
 }

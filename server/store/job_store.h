@@ -81,6 +81,8 @@ struct PassTable {
     virtual std::vector<PassRow> leasedWithoutLease() const = 0;
     virtual std::vector<PassRow> held() const = 0;
     virtual std::vector<PassRow> heldOf(JobKey job, int32_t frame, uint32_t tile) const = 0;
+    /// Whether an early pass still waits in the file.
+    virtual bool isHeld(const std::string& file) const = 0;
     virtual std::optional<TimePoint> oldestQueued() const = 0;
     /// One queued pass of `level` for each of the tiles [0, tiles).
     virtual void insertLevel(JobKey job, int32_t frame, SampleRange level, uint32_t tiles, TimePoint now) = 0;

@@ -269,6 +269,10 @@ struct Passes : PassTable {
             return row.held && row.job == job && row.frame == frame && row.tile == tile;
         });
     }
+    bool isHeld(const std::string& file) const override {
+        return std::any_of(rows.begin(), rows.end(),
+                           [&](const auto& at) { return at.second.held && at.second.held->file == file; });
+    }
     std::optional<TimePoint> oldestQueued() const override {
         std::optional<TimePoint> oldest;
         for (const auto& [key, row] : rows) {

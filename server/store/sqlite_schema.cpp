@@ -200,7 +200,14 @@ constexpr const char* kLightKept = R"sql(
 ALTER TABLE jobs ADD COLUMN kept_luminance REAL NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut, kLightKept};
+// The early passes of one tile are looked up with every merge, and closed leases are forgotten every minute:
+// neither may look at all others.
+constexpr const char* kNarrowLookups = R"sql(
+CREATE INDEX passes_held_of_tile ON passes(job, frame, tile, first_sample) WHERE held_file IS NOT NULL;
+CREATE INDEX leases_closed ON leases(granted) WHERE state <> 'open';
+)sql";
+
+constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut, kLightKept, kNarrowLookups};
 
 }  // namespace
 
@@ -208,16 +215,16 @@ int newestSchemaVersion() {
     return static_cast<int>(kMigrations.size());
 }
 
-void migrate(SQLite::Database& db) {
-    const int version = db.execAndGet("PRAGMA user_version").getInt();
-    if (version > newestSchemaVersion()) {
+void migrate(SQLite::Database& db, int version) {
+    const int found = db.execAndGet("PRAGMA user_version").getInt();
+    if (found > newestSchemaVersion()) {
         throw Error(
             ErrorCode::versionRefused,
             fmt::format("the database '{}' has schema version {}, this program knows {}: a newer Tilefarm "
                         "wrote it",
-                        db.getFilename(), version, newestSchemaVersion()));
+                        db.getFilename(), found, newestSchemaVersion()));
     }
-    for (int next = version; next < newestSchemaVersion(); ++next) {
+    for (int next = found; next < version; ++next) {
         SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
         db.exec(kMigrations.at(next));
         db.exec(fmt::format("PRAGMA user_version = {}", next + 1));

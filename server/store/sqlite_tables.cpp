@@ -89,7 +89,7 @@ struct Jobs : JobTable {
     }
     std::vector<JobKey> leasable(int64_t limit, int64_t offset) const {
         auto q = c.query(
-            "SELECT key FROM jobs WHERE state IN ('queued','running') "
+            "SELECT key FROM jobs INDEXED BY jobs_leasable WHERE state IN ('queued','running') "
             "ORDER BY priority DESC, key LIMIT ? OFFSET ?");
         q.with(limit, offset);
         std::vector<JobKey> keys;
@@ -299,18 +299,23 @@ struct Passes : PassTable {
     }
     std::vector<PassRow> leasedWithoutLease() const override {
         auto q = c.query(
-            "SELECT * FROM passes WHERE state = 'leased' AND NOT EXISTS "
+            "SELECT * FROM passes INDEXED BY passes_leased WHERE state = 'leased' AND NOT EXISTS "
             "(SELECT 1 FROM leases WHERE leases.epoch = passes.epoch AND leases.state = 'open')");
         return all(q);
     }
     std::vector<PassRow> held() const override {
-        auto q = c.query("SELECT * FROM passes WHERE held_file IS NOT NULL");
+        auto q = c.query("SELECT * FROM passes INDEXED BY passes_held WHERE held_file IS NOT NULL");
         return all(q);
     }
     std::vector<PassRow> heldOf(JobKey job, int32_t frame, uint32_t tile) const override {
         auto q = c.query(
-            "SELECT * FROM passes WHERE job = ? AND frame = ? AND tile = ? AND held_file IS NOT NULL");
+            "SELECT * FROM passes INDEXED BY passes_held_of_tile "
+            "WHERE job = ? AND frame = ? AND tile = ? AND held_file IS NOT NULL ORDER BY first_sample");
         return all(q.with(job, frame, tile));
+    }
+    bool isHeld(const std::string& file) const override {
+        auto q = c.query("SELECT 1 FROM passes INDEXED BY passes_held WHERE held_file = ? LIMIT 1");
+        return q.with(file).next();
     }
     std::optional<TimePoint> oldestQueued() const override {
         auto q = c.query("SELECT min(queued_at) FROM passes INDEXED BY passes_queued WHERE state = 'queued'");
@@ -553,6 +558,12 @@ Query Connection::query(const char* sql) {
     if (!statement) statement = std::make_unique<SQLite::Statement>(db_, sql);
     statement->clearBindings();
     return Query(*statement);
+}
+
+std::vector<std::string> Connection::prepared() const {
+    std::vector<std::string> sql;
+    for (const auto& [literal, statement] : statements_) sql.push_back(statement->getQuery());
+    return sql;
 }
 
 struct SqliteTables::Impl {

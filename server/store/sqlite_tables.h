@@ -70,6 +70,8 @@ class Connection {
 public:
     Connection(const std::string& file, bool writer);
     Query query(const char* sql);
+    /// The SQL of all that was prepared so far, for a look at its plans.
+    std::vector<std::string> prepared() const;
     SQLite::Database& db() { return db_; }
 
 private:

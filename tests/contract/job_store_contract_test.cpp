@@ -315,7 +315,15 @@ TEST_P(JobStoreContract, RemembersWhereEarlyPassesLie) {
         ASSERT_EQ(t.passes.held().size(), 1u);
         EXPECT_EQ(t.passes.heldOf(job, 0, 1).at(0).held->offset, 64u);
         EXPECT_TRUE(t.passes.heldOf(job, 0, 0).empty());
+        EXPECT_TRUE(t.passes.isHeld("file"));
+        EXPECT_FALSE(t.passes.isHeld("fil"));
     });
+    write([&](Tables& t) {
+        PassRow row = *t.passes.find(job, 0, 1, 0);
+        row.held.reset();
+        t.passes.update(row);
+    });
+    read([&](const ConstTables& t) { EXPECT_FALSE(t.passes.isHeld("file")); });
 }
 
 TEST_P(JobStoreContract, MakesTilesWithTheFrameAndNeverLosesTheirSamples) {

@@ -22,6 +22,34 @@ TEST(SqliteSchema, KeepsWhatIsThereOnASecondOpen) {
     SqliteJobStore(folder / "db").read([](const ConstTables& t) { EXPECT_TRUE(t.jobs.find("a")); });
 }
 
+// The database of each version there was, with a job in it, opened by this program.
+TEST(SqliteSchema, TakesOverADatabaseOfEveryOlderProgram) {
+    for (int version = 1; version < newestSchemaVersion(); ++version) {
+        const TemporaryFolder folder;
+        {
+            SQLite::Database old(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+            migrate(old, version);
+            EXPECT_EQ(old.execAndGet("PRAGMA user_version").getInt(), version);
+            old.exec(
+                "INSERT INTO jobs (id, state, priority, spec, body_digest, created, passes, passes_merged, "
+                "pixel_samples, pixel_samples_merged, frames, frames_started, frames_done, samples_merged, "
+                "device_seconds, dropped_samples, faults) "
+                "VALUES ('a', 'running', 50, '{}', '', 0, 9, 3, 90, 30, 1, 1, 0, 0, 1.5, 0, 'one' || "
+                "char(10))");
+        }
+        SqliteJobStore store(folder / "db");
+        store.write([&](Tables& t) {
+            JobRow job = t.jobs.find("a").value();
+            EXPECT_EQ(job.passesMerged, 3u) << version;
+            EXPECT_EQ(job.faults, std::vector<std::string>{"one"}) << version;
+            job.passesMerged = 4;
+            t.jobs.update(job);
+        });
+        SQLite::Database now(folder / "db", SQLite::OPEN_READONLY);
+        EXPECT_EQ(now.execAndGet("PRAGMA user_version").getInt(), newestSchemaVersion());
+    }
+}
+
 TEST(SqliteSchema, RefusesADatabaseOfANewerProgram) {
     const TemporaryFolder folder;
     SQLite::Database(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)

@@ -1,0 +1,189 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "server/store/sqlite_schema.h"
+#include "server/store/sqlite_tables.h"
+#include "tests/support/temporary_folder.h"
+
+namespace tilefarm {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr TimePoint kNow{Milliseconds{1'700'000'000'000}};
+constexpr uint32_t kTiles = 64;
+
+// Statements that look at a whole table or index, and why they may. A key is how the statement begins.
+const std::map<std::string, const char*> kMayScan{
+    {"SELECT state, count(*) FROM jobs", "metrics; an index alone, without the rows"},
+    {"SELECT key FROM jobs INDEXED BY jobs_leasable", "holds the jobs asked for and no others"},
+    {"SELECT * FROM passes INDEXED BY passes_held WHERE held_file IS NOT NULL", "at start, all are wanted"},
+    {"SELECT min(queued_at) FROM passes INDEXED BY passes_queued", "metrics; of created levels alone"},
+    {"SELECT * FROM passes INDEXED BY passes_leased", "every minute; holds the passes on loan and no others"},
+    {"SELECT * FROM leases WHERE state = 'open'", "holds the leases asked for and no others"},
+    {"SELECT seq FROM sqlite_sequence", "a row per table"},
+    {"SELECT coalesce(max(seq), 0) FROM sqlite_sequence", "a row per table"},
+    {"SELECT * FROM workers ORDER BY worker", "all are wanted"},
+    {"DELETE FROM workers", "every minute; workers are few"},
+};
+
+bool mayScan(const std::string& sql) {
+    return std::any_of(kMayScan.begin(), kMayScan.end(),
+                       [&](const auto& known) { return sql.starts_with(known.first); });
+}
+
+// Every query of the store, prepared as the store prepares it, over tables that were never ANALYZEd: what
+// a farm has, and where SQLite knows the schema but no counts.
+class QueryPlan : public testing::Test {
+protected:
+    QueryPlan() {
+        migrate(connection_.db());
+        SQLite::Transaction once(connection_.db());
+        fill();
+        callEverything();
+        once.commit();
+    }
+
+    std::vector<std::string> plan(const std::string& sql) {
+        SQLite::Statement explain(connection_.db(), "EXPLAIN QUERY PLAN " + sql);
+        std::vector<std::string> steps;
+        while (explain.executeStep()) steps.push_back(explain.getColumn("detail").getString());
+        return steps;
+    }
+    // Of the one statement that begins so.
+    std::vector<std::string> planOf(const std::string& begin) {
+        std::vector<std::string> found;
+        for (const std::string& sql : connection_.prepared())
+            if (sql.find_first_not_of(" \n") != std::string::npos &&
+                sql.substr(sql.find_first_not_of(" \n")).starts_with(begin))
+                found.push_back(sql);
+        EXPECT_EQ(found.size(), 1u) << begin;
+        return found.empty() ? std::vector<std::string>{} : plan(found.front());
+    }
+    Connection& connection() { return connection_; }
+
+private:
+    void fill() {
+        Tables t = tables_.tables();
+        JobRow row;
+        row.specJson = "{}";
+        row.passes = row.frames = row.pixelSamples = 1;
+        for (int i = 0; i < 100; ++i) {
+            row.id = "j" + std::to_string(i);
+            job_ = t.jobs.insert(row);
+        }
+        FrameRow frame;
+        frame.job = job_;
+        frame.levels = 1;
+        frame.tiles = kTiles;
+        t.frames.insert(frame);
+        t.passes.insertLevel(job_, 0, {0, 1}, kTiles, kNow);
+    }
+
+    // A method that is not called here goes unseen: add each new one.
+    void callEverything() {
+        Tables t = tables_.tables();
+        callJobs(t.jobs);
+        callFrames(t.frames);
+        callLeases(t.leases);
+        callPasses(t.passes);
+        callWorkers(t.workers);
+        t.events.add({0, job_, "j", kNow, "job", "{}"});
+        t.events.list(0, std::nullopt, 1);
+        t.events.list(0, job_, 1);
+        t.events.lastId();
+        t.events.forgetBelow(1);
+    }
+    void callJobs(JobTable& jobs) {
+        jobs.find("j1");
+        jobs.findByIdempotencyKey("key");
+        jobs.list({});
+        jobs.list({.state = JobState::queued});
+        jobs.forEachLeasable([](JobKey) { return true; });
+        jobs.counts();
+        jobs.update(*jobs.find(job_));
+    }
+    void callFrames(FrameTable& frames) {
+        frames.list(job_);
+        frames.listByState(FrameState::finishing);
+        frames.listActive(job_);
+        frames.update(*frames.find(job_, 0));
+        frames.tiles(job_, 0);
+        frames.update(*frames.tile(job_, 0, 1));
+        frames.level(job_, 0, 1);
+        frames.levels(job_, 0);
+        frames.put(LevelRow{.job = job_, .samples = 1, .relativeError = {}, .deviceSeconds = {}});
+        frames.dropTiles(job_, 1);
+    }
+    void callPasses(PassTable& passes) {
+        passes.lowestQueued(job_, 0, 0);
+        passes.claim({.job = job_, .frame = 0, .epoch = 1, .level = {0, 1}, .limit = 2, .worker = "w"});
+        passes.counts(job_, 0);
+        passes.leasedWithoutLease();
+        passes.held();
+        passes.heldOf(job_, 0, 1);
+        passes.isHeld("file");
+        passes.oldestQueued();
+        passes.update(*passes.find(job_, 0, 1, 0));
+        passes.release(1, kNow);
+        passes.drop(job_, 0, 1);
+    }
+    void callLeases(LeaseTable& leases) {
+        leases.insert({.epoch = 1, .id = "l", .worker = "w", .job = job_, .granted = kNow, .passes = {}});
+        leases.find("l");
+        leases.open();
+        leases.lastEpoch();
+        leases.close(1, LeaseState::expired);
+        leases.forgetClosedBefore(kNow);
+        leases.addFailure({job_, 0, 0, 0, "w", "message", 1});
+        leases.failures(job_, 0, 0, 0);
+        leases.jobsOnlyThisWorkerFailed("w");
+    }
+    void callWorkers(WorkerTable& workers) {
+        workers.list();
+        workers.put({{"w", "host", "device", "driver", "1"}, WorkerState::online, "", kNow, kNow});
+        workers.forgetSeenBefore(kNow);
+        workers.addContribution({job_, "w", 1, 1, 1});
+        workers.contributions(job_);
+        workers.putReport({job_, "w", "{}"});
+        workers.reports(job_);
+    }
+
+    TemporaryFolder folder_;
+    Connection connection_{folder_ / "db", true};
+    SqliteTables tables_{connection_};
+    JobKey job_ = 0;
+};
+
+TEST_F(QueryPlan, LooksAtNoMoreThanIsAskedFor) {
+    ASSERT_GT(connection().prepared().size(), 50u);
+    for (const std::string& sql : connection().prepared()) {
+        for (const std::string& step : plan(sql)) {
+            EXPECT_THAT(step, testing::Not(HasSubstr("TEMP B-TREE"))) << sql;
+            const bool scans = step.starts_with("SCAN ") && step != "SCAN t" && step != "SCAN CONSTANT ROW";
+            EXPECT_TRUE(!scans || mayScan(sql)) << sql << "\n  " << step;
+        }
+    }
+}
+
+TEST_F(QueryPlan, TakesTheIndexMadeForEachHotQuery) {
+    EXPECT_THAT(planOf("SELECT key FROM jobs"), testing::ElementsAre("SCAN jobs USING INDEX jobs_leasable"));
+    EXPECT_THAT(
+        planOf("SELECT * FROM passes INDEXED BY passes_held_of_tile"),
+        testing::ElementsAre("SEARCH passes USING INDEX passes_held_of_tile (job=? AND frame=? AND tile=?)"));
+    EXPECT_THAT(planOf("SELECT 1 FROM passes"), Contains(HasSubstr("INDEX passes_held (held_file=?)")));
+    EXPECT_THAT(planOf("UPDATE passes SET state = 'leased'"), Contains(HasSubstr("INDEX passes_queued")));
+    EXPECT_THAT(planOf("UPDATE passes SET state = 'queued'"), Contains(HasSubstr("INDEX passes_leased")));
+    EXPECT_THAT(planOf("SELECT first_sample FROM passes"), Contains(HasSubstr("INDEX passes_queued")));
+    EXPECT_THAT(planOf("SELECT * FROM passes WHERE job = ? AND frame = ? AND first_sample"),
+                Contains(HasSubstr("PRIMARY KEY (job=? AND frame=? AND first_sample=? AND tile=?)")));
+    EXPECT_THAT(planOf("UPDATE passes SET state=?"),
+                Contains(HasSubstr("(job=? AND frame=? AND tile=? AND first_sample=?)")));
+    EXPECT_THAT(planOf("DELETE FROM leases"), Contains(HasSubstr("INDEX leases_closed (granted<?)")));
+}
+
+}  // namespace
+}  // namespace tilefarm
