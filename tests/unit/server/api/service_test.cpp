@@ -22,6 +22,25 @@ TEST_F(ApiTest, DescribesExactlyItsRoutes) {
     EXPECT_EQ(served, described);
 }
 
+TEST_F(ApiTest, DescribesEachOperationInItsOwnFields) {
+    const auto document = nlohmann::json::parse(openApiJson());
+    for (const auto& [path, operations] : document["paths"].items()) {
+        for (const auto& [method, operation] : operations.items()) {
+            SCOPED_TRACE(method + " " + path);
+            EXPECT_TRUE(operation.at("summary").is_string());
+            EXPECT_FALSE(operation.at("responses").empty());
+            ASSERT_FALSE(operation.at("tags").empty());
+            for (const auto& tag : operation["tags"]) EXPECT_TRUE(tag.is_string());
+            EXPECT_TRUE(operation.value("description", nlohmann::json("")).is_string());
+            EXPECT_TRUE(!operation.contains("requestBody") || operation["requestBody"].contains("content"));
+            for (const auto& parameter : operation.value("parameters", nlohmann::json::array())) {
+                EXPECT_TRUE(parameter.contains("$ref") || parameter.contains("schema"));
+                EXPECT_TRUE(parameter.value("in", "") != "path" || parameter.value("required", false));
+            }
+        }
+    }
+}
+
 TEST_F(ApiTest, ResolvesEveryReferenceOfItsDescription) {
     const auto document = parsed(get("/v1/openapi.json"));
     EXPECT_EQ(document["openapi"], "3.1.0");
