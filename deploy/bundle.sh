@@ -4,6 +4,7 @@
 #
 #   deploy/bundle.sh [OUT]      OUT defaults to build/bundle
 #   OUT/tilefarm-worker --server http://farm:8080
+#   OUT/bench/tile_size.sh --device 0      measures what the size of tiles costs there
 #
 # Where the driver is not found by itself, name its manifest: VK_DRIVER_FILES=/…/nvidia_icd.json.
 set -euo pipefail
@@ -31,4 +32,6 @@ LD_LIBRARY_PATH="$here/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/lib
 WRAPPER
     chmod +x "$out/$program"
 done
+mkdir "$out/bench"
+cp tests/bench/tile_size.sh tests/data/cornell.gltf "$out/bench"
 echo "bundle: $out ($(du -sh "$out" | cut -f1))"
