@@ -1,0 +1,2 @@
+// Compiled for the header that comes with it: see tests/CMakeLists.txt.
+int main() {}
