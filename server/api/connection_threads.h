@@ -1,10 +1,12 @@
 #pragma once
 
+#include <pthread.h>
+
 #include <condition_variable>
 #include <deque>
 #include <functional>
 #include <mutex>
-#include <thread>
+#include <system_error>
 #include <vector>
 
 namespace tilefarm {
@@ -14,6 +16,11 @@ namespace tilefarm {
 /// pool of fixed size would be starved by a few watchers.
 class ConnectionThreads {
 public:
+    /// Of each thread, whatever the limits of the shell. The library matches the header Range, a line of
+    /// which it bounds at 8 kB, by std::regex, which takes some 330 bytes of stack per character
+    /// (libstdc++ 12): at most 3 MB.
+    static constexpr size_t kStackBytes = 8u << 20;
+
     explicit ConnectionThreads(size_t most) : most_(most) {}
     ~ConnectionThreads() { stop(); }
 
@@ -21,7 +28,7 @@ public:
         const std::scoped_lock lock(mutex_);
         tasks_.push_back(std::move(task));
         if (idle_ < tasks_.size() && threads_.size() < most_)
-            threads_.emplace_back([this] { work(); });
+            threads_.push_back(start());
         else
             added_.notify_one();
     }
@@ -32,12 +39,25 @@ public:
             stopping_ = true;
         }
         added_.notify_all();
-        for (std::thread& thread : threads_) {
-            if (thread.joinable()) thread.join();
-        }
+        for (const pthread_t thread : threads_) pthread_join(thread, nullptr);
+        threads_.clear();
     }
 
 private:
+    pthread_t start() {
+        const auto body = [](void* self) -> void* {
+            static_cast<ConnectionThreads*>(self)->work();
+            return nullptr;
+        };
+        pthread_t thread{};
+        pthread_attr_t attributes{};
+        pthread_attr_init(&attributes);
+        pthread_attr_setstacksize(&attributes, kStackBytes);
+        const int error = pthread_create(&thread, &attributes, body, this);
+        pthread_attr_destroy(&attributes);
+        if (error != 0) throw std::system_error(error, std::generic_category(), "cannot start a thread");
+        return thread;
+    }
     void work() {
         std::unique_lock lock(mutex_);
         for (;;) {
@@ -57,7 +77,7 @@ private:
     std::mutex mutex_;
     std::condition_variable added_;
     std::deque<std::function<void()>> tasks_;
-    std::vector<std::thread> threads_;
+    std::vector<pthread_t> threads_;
     size_t idle_ = 0;
     bool stopping_ = false;
 };

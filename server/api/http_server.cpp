@@ -18,6 +18,7 @@ namespace {
 constexpr size_t kMostConnections = 1024;
 constexpr uint64_t kMostDiscarded = 256ull << 20;
 constexpr size_t kPieceBytes = 256 << 10;
+constexpr size_t kMostPathBytes = 1024;  // several times the longest route with its parameters
 
 struct Threads : httplib::TaskQueue {
     ConnectionThreads threads{kMostConnections};
@@ -113,16 +114,29 @@ void send(HttpResponse response, httplib::Response& out) {
     }
 }
 
-// The library's own ideas about ranges and multipart bodies are kept out: both are answered here.
-void ignoreLibraryExtras(const httplib::Request& request) {
+// As sent, so before percent-decoding, which only shortens it.
+size_t pathBytes(const httplib::Request& request) {
+    return std::min(request.target.find('?'), request.target.size());
+}
+
+// Ahead of all that the library matches by std::regex, which recurses once per character: a path that
+// is too long is matched as "/" and refused in answer(), so that its body is read off the connection like
+// any other. The library's own ideas about ranges and multipart bodies are kept out; both are answered here.
+// What is left is the header Range, which it matches before it asks anybody: ConnectionThreads::kStackBytes.
+httplib::Server::HandlerResponse beforeRouting(const httplib::Request& request, httplib::Response&) {
     auto& mutableRequest = const_cast<httplib::Request&>(request);
     mutableRequest.ranges.clear();
     mutableRequest.headers.erase("Content-Type");
+    if (pathBytes(request) > kMostPathBytes) mutableRequest.path = "/";
+    return httplib::Server::HandlerResponse::Unhandled;
+}
+
+HttpResponse pathTooLong() {
+    return problemResponse(414, "the path of the URL exceeds " + std::to_string(kMostPathBytes) + " bytes");
 }
 
 void answer(Services& services, const httplib::Request& in, httplib::Response& out,
             const httplib::ContentReader* reader) {
-    ignoreLibraryExtras(in);
     BodyReader body(in, reader);
     HttpRequest request;
     request.method = in.method;
@@ -131,7 +145,7 @@ void answer(Services& services, const httplib::Request& in, httplib::Response& o
     request.header = [&in](const std::string& name) { return in.get_header_value(name); };
     request.contentLength = contentLength(in);
     request.stream = [&body](const HttpRequest::Consumer& consumer) { body.read(consumer); };
-    auto response = dispatch(services, request);
+    auto response = pathBytes(in) > kMostPathBytes ? pathTooLong() : dispatch(services, request);
     body.discard();
     send(std::move(response), out);
 }
@@ -159,6 +173,7 @@ HttpServer::HttpServer(Services& services, const HttpConfig& config) : impl_(std
     server.set_read_timeout(60);
     server.set_write_timeout(60);
 
+    server.set_pre_routing_handler(beforeRouting);
     const auto plain = [&services](const httplib::Request& in, httplib::Response& out) {
         answer(services, in, out, nullptr);
     };

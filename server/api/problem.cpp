@@ -15,6 +15,7 @@ std::string_view titleOf(int status) {
         case 409: return "Conflict with the current state";
         case 410: return "No longer wanted";
         case 413: return "Too large";
+        case 414: return "Path too long";
         case 416: return "Range not satisfiable";
         case 422: return "Cannot be used";
         case 426: return "Version refused";

@@ -26,6 +26,7 @@ constexpr std::array kMeanings{
     StatusMeaning{409, ErrorCode::conflict},
     StatusMeaning{410, ErrorCode::gone},
     StatusMeaning{413, ErrorCode::tooLarge},
+    StatusMeaning{414, ErrorCode::tooLarge},
     StatusMeaning{422, ErrorCode::unprocessable},
     StatusMeaning{426, ErrorCode::versionRefused},
     StatusMeaning{429, ErrorCode::tooMany},

@@ -82,6 +82,46 @@ TEST_F(ApiTest, ReadsTheNextRequestRightAfterABodyItRefused) {
     EXPECT_EQ(get("/healthz")->status, 200);
 }
 
+// Of lengths that no matching could be hurt by.
+TEST_F(ApiTest, RefusesAPathAboveAKilobyteBeforeAnyRouteIsMatched) {
+    const auto pathOf = [](size_t bytes) { return "/v1/" + std::string(bytes - 4, 'a'); };
+    EXPECT_EQ(get(pathOf(1024))->status, 404);  // looked for and not found
+    for (const size_t bytes : {1025, 2000}) {
+        const auto refused = get(pathOf(bytes));
+        ASSERT_TRUE(refused);
+        EXPECT_EQ(refused->status, 414);
+        EXPECT_EQ(refused->get_header_value("Content-Type"), "application/problem+json");
+        EXPECT_EQ(parsed(refused)["status"], 414);
+        EXPECT_NE(parsed(refused)["detail"].get<std::string>().find("1024"), std::string::npos);
+    }
+    EXPECT_EQ(client.Options(pathOf(1025).c_str())->status, 414);
+    EXPECT_EQ(client.Delete(pathOf(1025).c_str())->status, 414);
+    EXPECT_EQ(client.Head(pathOf(1025).c_str())->status, 414);
+}
+
+TEST_F(ApiTest, MeasuresThePathAsItIsSentAndWithoutItsQuery) {
+    std::string encoded = "/v1/";
+    while (encoded.size() <= 1024) encoded += "%61";  // 'a', decoded within the limit
+    EXPECT_EQ(get(encoded)->status, 414);
+    EXPECT_EQ(get("/v1/jobs?limit=1&other=" + std::string(1500, 'a'))->status, 200);
+}
+
+TEST_F(ApiTest, ReadsTheNextRequestRightAfterAPathItRefused) {
+    client.set_keep_alive(true);
+    const std::string path = "/v1/jobs/" + std::string(1100, 'a');
+    EXPECT_EQ(client.Post(path.c_str(), std::string(100'000, 'x'), "text/plain")->status, 414);
+    EXPECT_EQ(client.Post(path.c_str(), "--x\r\n", "multipart/form-data; boundary=x")->status, 414);
+    EXPECT_EQ(get("/healthz")->status, 200);
+}
+
+TEST_F(ApiTest, AnswersAHeaderRangeOfAFewKilobytes) {
+    const std::string path = "/v1/blobs/" + spec("bytes").scene.files.at("a.glb");
+    EXPECT_EQ(get(path, {{"Range", "bytes=" + std::string(4000, '0') + "1-3"}})->body, "yte");
+    std::string many = "bytes=0-0";
+    while (many.size() < 4000) many += ",1-1";
+    EXPECT_EQ(get(path, {{"Range", many}})->body, "bytes");  // a list is passed over
+}
+
 TEST_F(ApiTest, CountsWhatItDoes) {
     submit();
     askForWork();

@@ -14,6 +14,7 @@ TEST(HttpStatus, NamesWhatTheServerMeant) {
     EXPECT_EQ(errorCodeOf(401), ErrorCode::unauthorized);
     EXPECT_EQ(errorCodeOf(409), ErrorCode::conflict);
     EXPECT_EQ(errorCodeOf(410), ErrorCode::gone);
+    EXPECT_EQ(errorCodeOf(414), ErrorCode::tooLarge);
     EXPECT_EQ(errorCodeOf(426), ErrorCode::versionRefused);
     EXPECT_EQ(errorCodeOf(503), ErrorCode::unavailable);
     EXPECT_EQ(errorCodeOf(507), ErrorCode::outOfSpace);
