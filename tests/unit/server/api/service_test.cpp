@@ -52,6 +52,33 @@ TEST_F(ApiTest, ResolvesEveryReferenceOfItsDescription) {
     }
 }
 
+std::set<std::string> parametersOf(const std::string& path) {
+    std::set<std::string> found;
+    for (size_t at = 0; (at = path.find('{', at)) != std::string::npos; ++at)
+        found.insert(path.substr(at + 1, path.find('}', at) - at - 1));
+    return found;
+}
+
+// Clients call an operation by its name. What is valid without is left to the validator: e2e/openapi_test.py.
+TEST_F(ApiTest, NamesEveryOperationAndTheParametersOfItsPath) {
+    std::set<std::string> names;
+    const json document = parsed(get("/v1/openapi.json"));
+    for (const auto& [path, operations] : document["paths"].items()) {
+        for (const auto& [method, operation] : operations.items()) {
+            const std::string place = method + " " + path, name = operation.value("operationId", "");
+            EXPECT_TRUE(!name.empty() && names.insert(name).second) << place;
+            EXPECT_FALSE(operation.value("summary", "").empty()) << place;
+            std::set<std::string> inPath;
+            for (const json& parameter : operation.value("parameters", json::array())) {
+                EXPECT_FALSE(parameter.value("description", "").empty()) << place;
+                EXPECT_TRUE(parameter["schema"].contains("type")) << place;
+                if (parameter["in"] == "path") inPath.insert(parameter["name"]);
+            }
+            EXPECT_EQ(inPath, parametersOf(path)) << place;
+        }
+    }
+}
+
 TEST_F(ApiTest, SaysThatItIsWell) {
     const auto health = get("/healthz");
     ASSERT_TRUE(health);
