@@ -71,6 +71,7 @@ json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
             {"droppedSamples", job.droppedSamples},
             {"framesDone", job.framesDone},
             {"faults", faultsOf(job)},
+            {"notices", noticesOf(job)},
             {"flagged", isFlagged(job)},
             {"numerics", numericsOf(job)},
             {"errorCurve", errorCurve(t, job.key, current)}};

@@ -50,6 +50,8 @@ JobProgress progressOf(const json& view) {
 
 int reportEnd(const json& view, const Console& console) {
     const std::string state = view.at("state");
+    for (const json& notice : view.value("notices", json::array()))
+        console.err << "note: " << notice.get<std::string>() << '\n';
     if (state == "completed") return kDone;
     console.err << fmt::format("the job is {}\n", state);
     for (const json& fault : view.value("faults", json::array()))

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "shared/film/notices.h"
+
 namespace tilefarm {
 
 using nlohmann::json;
@@ -48,6 +50,13 @@ std::vector<std::string> faultsOf(const JobRow& job) {
                         "path can hold: their light is missing",
                         rejected == 1 ? "1 path" : fmt::format("{} paths", rejected)));
     return faults;
+}
+
+std::vector<std::string> noticesOf(const JobRow& job) {
+    PassFaults faults;
+    faults.truncatedPaths = job.truncatedPaths;
+    faults.truncatedThroughput = job.truncatedThroughput;
+    return noticesOf(faults, job.pixelSamplesMerged);
 }
 
 json numericsOf(const JobRow& job) {

@@ -15,6 +15,9 @@ bool isFlagged(const JobRow& job);
 /// Sentences for people: why a job failed, and what its image lacks.
 std::vector<std::string> faultsOf(const JobRow& job);
 
+/// Likewise: what light the image lacks by the job's own rules.
+std::vector<std::string> noticesOf(const JobRow& job);
+
 /// Counts, and the first dropped samples with all that it takes to render each again alone.
 nlohmann::json numericsOf(const JobRow& job);
 

@@ -106,6 +106,7 @@ json jobReport(const ConstTables& t, const JobRow& job) {
     report["devices"] = deviceList(devices);
     report["workers"] = workers;
     report["faults"] = faultsOf(job);
+    report["notices"] = noticesOf(job);
     report["flagged"] = isFlagged(job);
     report["numerics"] = numericsOf(job);
     report["numerics"].update(sceneFaults(t.workers.reports(job.key)));

@@ -154,6 +154,7 @@ struct FakeFarm::Impl {
                             {"droppedSamples", 0},
                             {"framesDone", 0},
                             {"faults", json::array()},
+                            {"notices", json::array()},
                             {"errorCurve", json::array()}};
             jobs.push_back(view);
             give(a, 201, view);
@@ -178,6 +179,7 @@ struct FakeFarm::Impl {
         job["samplesMerged"] = merged;
         job["state"] = merged == 3 ? endState : "running";
         if (endState == "failed" && merged == 3) job["faults"] = {"no light in the scene"};
+        job["notices"] = {"the bounce limit ended paths"};
     }
 
     void giveLease(const Request& q, Response& a) {

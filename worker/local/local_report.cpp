@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/digest/digest.h"
+#include "shared/film/notices.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -118,6 +119,7 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
         {"raysPerSecond", perSecond(stats.rays, stats.deviceSeconds)},
         {"droppedSamples", stats.droppedSamples},
         {"numerics", numericsJson(spec, frame)},
+        {"notices", noticesOf(stats.faults, stats.samples)},
         {"samplesPerPixel", spec.stop.samples},
         {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
         {"errorCurve", curveJson(frame)}};

@@ -8,6 +8,7 @@
 #include "shared/denoise/exr_denoise.h"
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
+#include "shared/film/notices.h"
 #include "shared/image/png.h"
 #include "shared/job/numbered.h"
 #include "shared/job/wire.h"
@@ -121,6 +122,8 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
                    frame.stats.droppedSamples);
     for (const DroppedSample& s : frame.stats.faults.dropped)
         fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
+    for (const std::string& notice : noticesOf(frame.stats.faults, frame.stats.samples))
+        fmt::print(progress, "note: {}\n", notice);
     writeFrameExr(
         exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
         localAttributes(spec, device.device(), frame), contentsOf(spec, render.files.entry));

@@ -83,7 +83,8 @@ TEST_F(CliTest, SubmitWaitsAndBringsThePicturesHome) {
     EXPECT_EQ(readWhole(folder / "out.exr").size(), 11u);
     EXPECT_TRUE(fs::exists(folder / "out.png"));
     EXPECT_EQ(farm.count("GET", "/v1/jobs/1/frames/0/image.png?exposure=-1.5&tone=aces"), 1u);
-    EXPECT_THAT(err, AllOf(HasSubstr("100 %  completed"), HasSubstr("relative error 0.1667")));
+    EXPECT_THAT(err, AllOf(HasSubstr("100 %  completed"), HasSubstr("relative error 0.1667"),
+                           HasSubstr("note: the bounce limit ended paths\n")));
 }
 
 TEST_F(CliTest, SubmitNumbersThePicturesOfSeveralFrames) {

@@ -28,6 +28,12 @@ TEST(JobFaults, WhatTheRulesOfTheJobLeaveOutIsNone) {
     EXPECT_FALSE(isFlagged(row));
     EXPECT_THAT(faultsOf(row), IsEmpty());
     EXPECT_EQ(numericsOf(row)["truncatedShare"], 0.01);
+    EXPECT_THAT(noticesOf(row), ElementsAre(HasSubstr("bounce limit ended 1 % of the paths, which still "
+                                                      "carried 0.5 % of what all began with")));
+}
+
+TEST(JobFaults, NothingIsNoticedWhereNothingIsMissing) {
+    EXPECT_THAT(noticesOf(job()), IsEmpty());
 }
 
 TEST(JobFaults, DroppedSamplesFlagTheJobAndAreNamed) {

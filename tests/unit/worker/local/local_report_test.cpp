@@ -52,6 +52,7 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["numerics"]["rejectedPaths"], 3);
     EXPECT_EQ(report["numerics"]["truncatedShare"], 0.25);
     EXPECT_EQ(report["numerics"]["truncatedThroughput"], 0.05);
+    EXPECT_THAT(report["notices"][0].get<std::string>(), testing::HasSubstr("25 % of the paths"));
     EXPECT_EQ(report["numerics"]["clampedSamples"], 20);
     EXPECT_EQ(report["numerics"]["clampedLuminance"], 0.005);
     EXPECT_DOUBLE_EQ(report["numerics"]["clampedPercent"].get<double>(), 25) << "5 of 5 + 15";
