@@ -86,8 +86,8 @@ GPU_CONSTANT FEATURE_QUAD_LIGHTS = 34;
 GPU_CONSTANT FEATURE_SUN_LIGHTS = 35;           // directional with an angular size
 GPU_CONSTANT FEATURE_LIGHT_TREE = 36;
 GPU_CONSTANT FEATURE_ALL_LIGHTS = 37;           // every light at every surface point
-GPU_CONSTANT FEATURE_LIGHT_SAMPLING_ONLY = 38;  // no multiple importance sampling: lights alone
-GPU_CONSTANT FEATURE_BSDF_SAMPLING_ONLY = 39;   // likewise: the BSDF alone
+GPU_CONSTANT FEATURE_SINGLE_SAMPLING = 38;      // no multiple importance sampling: lights alone, or the BSDF
+GPU_CONSTANT FEATURE_GLASS_SHADOWS = 39;        // shadow rays look at the smooth glass that they meet
 GPU_CONSTANT FEATURE_ENVIRONMENT_ROTATION = 40;
 GPU_CONSTANT FEATURE_HIDDEN_ENVIRONMENT = 41;   // camera rays do not see it
 GPU_CONSTANT FEATURE_SHAPES = 42;               // surfaces other than triangles
@@ -145,6 +145,7 @@ GPU_CONSTANT MATERIAL_CONDUCTOR = 1u << 9;
 GPU_CONSTANT MATERIAL_GTR1 = 1u << 10;
 GPU_CONSTANT MATERIAL_DISNEY_DIFFUSE = 1u << 11;
 GPU_CONSTANT MATERIAL_INTERFACE = 1u << 12;  // reflects or transmits by microfacets: calls for FEATURE_SPECULAR
+GPU_CONSTANT MATERIAL_PANE = 1u << 13;       // thin-walled glass that may be smooth: light goes straight through
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -227,6 +228,9 @@ GPU_CONSTANT LIGHT_PATH_COUNT = 9;
 // Of FEATURE_CRYPTOMATTE: pairs of id and samples, two in a texel, of objects and then of materials.
 GPU_CONSTANT MATTE_RANKS = 6;
 GPU_CONSTANT MATTE_TEXELS = MATTE_RANKS / 2;
+
+// Panes in a row that light crosses straight on, at most. The next ends a shadow ray, and for a path it is a bounce.
+GPU_CONSTANT MOST_PANES = 64;
 
 // FrameParameters::rules.x, .y
 GPU_CONSTANT ROULETTE_THROUGHPUT = 0;

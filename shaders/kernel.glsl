@@ -39,7 +39,8 @@ uint cutoutKey(SampleKey key, uint bounce) {
 // Likewise of shadow rays: what the path's own ray came through, light may not.
 uint shadowKey(SampleKey key, uint bounce) { return ~cutoutKey(key, bounce); }
 
-bool occluded(LightSample l, uint primitive, uint key) {
+// From a surface to the sample of a light; its t counts in the length of that way.
+Ray shadowRay(LightSample l, uint primitive, uint key) {
     Ray ray;
     ray.origin = l.origin;
     ray.tMin = 0.0;
@@ -49,8 +50,12 @@ bool occluded(LightSample l, uint primitive, uint key) {
     ray.tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
     ray.skipPrimitive = primitive;
     ray.key = key;
+    return ray;
+}
+
+bool occluded(LightSample l, uint primitive, uint key) {
     rayCount++;
-    return anyHit(ray);
+    return anyHit(shadowRay(l, primitive, key));
 }
 
 #endif

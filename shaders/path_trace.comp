@@ -24,7 +24,9 @@ PathState startPath(vec3 origin, vec3 direction) {
     path.delta = true;
     path.from = path.side = vec3(0);
     path.channel = 3u;
-    path.bounce = 0u;
+    path.bounce = path.straight = path.panes = 0u;
+    path.passed = 0.0;
+    path.crossed = path.behindPane = false;
     path.first = noScattering();
     path.rough = false;
     path.clamped = 0.0;
@@ -37,6 +39,12 @@ void recordStep(uint step, vec3 position, float t, PathState path, uint primitiv
     film[at] = vec4(position, t);
     film[at + 1u] = vec4(path.throughput, path.pdf);
     film[at + 2u] = vec4(path.radiance, uintBitsToFloat(primitive));
+}
+
+// The bounce limit ends a path that still carries so much.
+void truncate(float throughput) {
+    truncatedCount++;
+    add(truncatedThroughput, throughput);
 }
 
 PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
@@ -79,15 +87,15 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         } else {
             if (has(FEATURE_ATTENUATION)) path.throughput *= exp(-path.medium.absorption * hit.t);
             if (has(FEATURE_UNLIT) && (m.flags & MATERIAL_UNLIT) != 0u) {
-                gather(path, m.baseColor, path.bounce);
+                gather(path, m.baseColor, scatteringsOfLight(path));
                 break;
             }
             addEmission(path, s, m, hit.t);
         }
         if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, inFog ? flight.reach : hit.t, path, s.primitive);
-        if (path.bounce >= parameters.path.x) {
-            truncatedCount++;
-            add(truncatedThroughput, maxComponent(path.throughput));
+        bool last = scatterings(path) >= parameters.path.x;  // then it may still go straight on
+        if (last && !(has(FEATURE_GLASS_SHADOWS) && !inFog && (m.flags & MATERIAL_PANE) != 0u)) {
+            truncate(maxComponent(path.throughput));
             break;
         }
 
@@ -99,17 +107,23 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
             if (mediaNest()) setRelativeIor(path.medium.stack, s, path.channel, m);
             bsdf = bsdfAt(m, wo, s.frontFace);
         }
-        if (hasLights()) {
+        if (hasLights() && !(has(FEATURE_GLASS_SHADOWS) && last)) {
             FirstScattering parts;
-            vec3 light = directLight(key, path.bounce, s, bsdf, wo, mediaAt(path.medium, s, m, bsdf), parts);
+            vec3 light = directLight(key, path.bounce, s, bsdf, wo, lightWay(path, s, m, bsdf), parts);
             if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = sharesOf(parts, light);
-            gather(path, light, path.bounce + 1u);
+            gather(path, light, scatteringsOfLight(path) + 1u);
         }
 
         uvec4 bits = randomBits(key, bounceDimension(path.bounce, inFog ? DIMENSION_PHASE : DIMENSION_BSDF));
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
+        float carried = maxComponent(path.throughput);
         if (!(inFog ? scatterInFog(path, s.position, u) : scatter(path, s, bsdf, m, wo, u))) break;
-        if (path.bounce + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
+        if (has(FEATURE_GLASS_SHADOWS) && path.crossed) continue;
+        if (has(FEATURE_GLASS_SHADOWS) && last) {
+            truncate(carried);
+            break;
+        }
+        if (scatterings(path) + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
     }
     if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)
         path.radiance = vec3(uintBitsToFloat(0x7fc00000u));

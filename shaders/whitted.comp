@@ -6,6 +6,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 #include "kernel.glsl"
+#include "glass_shadow.glsl"
 #include "integrators/ambient.glsl"
 #include "integrators/centre_light.glsl"
 #include "integrators/first_surface.glsl"
@@ -35,6 +36,21 @@ void follow(Branch branch) {
         waiting[waitingCount++] = branch;
 }
 
+// What of a light comes to a surface: all, nothing, or what the panes between them let through.
+vec3 inSight(LightSample l, uint primitive, uint key) {
+    if (!has(FEATURE_GLASS_SHADOWS)) return vec3(occluded(l, primitive, key) ? 0.0 : 1.0);
+    Ray ray = shadowRay(l, primitive, key);
+    vec3 left = vec3(1);
+    Hit hit;
+    for (uint panes = 0u; shadowMeets(ray, hit); panes++) {
+        if (panes == MOST_PANES || (materialFlagsAt(hit) & MATERIAL_PANE) == 0u) return vec3(0);
+        Surface s = surfaceInShadow(hit, ray);
+        left *= phongAt(materialAt(s), s.frontFace, max(-dot(normalize(ray.direction), s.frame[2]), 0.0)).through;
+        goBehind(s, l, ray);
+    }
+    return left;
+}
+
 // Light that lights and environment send from the surface towards wo, but for mirror images.
 vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
     vec3 sum = environmentIrradiance(s.frame[2]) * (p.diffuse + (1.0 - p.gloss) * p.reflected) * INV_PI;
@@ -44,7 +60,7 @@ vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
         if (!centreLight(i, key, s, l, extended) || dot(l.wi, s.geometricNormal) <= 0.0) continue;
         // What a mirror ray can meet has no need of a highlight.
         vec3 light = phongEval(p, wo, l.wi * s.frame, extended ? 1.0 - p.gloss : 1.0) * l.radiance;
-        if (maxComponent(light) > 0.0 && !occluded(l, s.primitive, shadowKey(key, depth))) sum += light;
+        if (maxComponent(light) > 0.0) sum += light * inSight(l, s.primitive, shadowKey(key, depth));
     }
     return sum;
 }
@@ -58,19 +74,29 @@ Branch startingAt(Surface s, vec3 direction, Branch from, vec3 weight) {
     return next;
 }
 
+void reflectOff(Branch from, Surface s, PhongPoint p) {
+    vec3 direction = reflect(from.ray.direction, s.frame[2]);
+    if (dot(direction, s.geometricNormal) > 0.0) follow(startingAt(s, direction, from, p.reflected * p.gloss));
+}
+
 void branchOut(Branch from, Surface s, MaterialPoint m, PhongPoint p) {
-    vec3 n = s.frame[2];
+    // What comes through a pane is most of it and is followed first, so that what many panes mirror back and forth finds
+    // the rays used up and not the other way round.
+    bool pane = has(FEATURE_GLASS_SHADOWS) && (m.flags & MATERIAL_PANE) != 0u;
+    if (pane && waitingCount + 1u < kMostWaiting) reflectOff(from, s, p);
     if (has(FEATURE_TRANSMISSION) && maxComponent(p.through) > 0.0) {
+        vec3 n = s.frame[2];
         vec3 direction = p.eta == 1.0 ? from.ray.direction : refract(from.ray.direction, n, 1.0 / p.eta);
         if (dot(direction, s.geometricNormal) < 0.0) {
             Branch beyond = startingAt(s, normalize(direction), from, p.through);
+            // Panes behind the first surface that the camera sees are no bounces.
+            if (pane) beyond.depth = max(from.depth, 1u);
             if (has(FEATURE_ATTENUATION) && (m.flags & MATERIAL_THIN) == 0u)
                 beyond.absorption = s.frontFace ? m.absorption : vec3(0);
             follow(beyond);
         }
     }
-    vec3 mirrored = reflect(from.ray.direction, n);
-    if (dot(mirrored, s.geometricNormal) > 0.0) follow(startingAt(s, mirrored, from, p.reflected * p.gloss));
+    if (!pane) reflectOff(from, s, p);
 }
 
 // Light that arrives along a branch; the branches that it calls for wait.

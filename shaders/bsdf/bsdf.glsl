@@ -163,14 +163,8 @@ void setInterface(inout Bsdf b, vec3 wo, bool frontFace) {
     if (has(FEATURE_DIFFUSE_TRANSMISSION)) b.diffuse.back *= through;
 }
 
-Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
-    Bsdf b;
-    b.face = interfaceAt(m, frontFace);
-    b.facets = facetsAt(m);
-    b.albedoTable = m.albedoTable;
-    b.diffuse = diffuseBaseAt(m);
-    b.mirror = isMirror(b.facets, b.face);
-    b.alpha = b.mirror ? 0.0 : meanAlpha(b.facets);  // the tables know a mirror by it
+// Coat and sheen, and what they let through.
+void setLayers(inout Bsdf b, MaterialPoint m, vec3 wo) {
     b.belowCoat = 1.0;
     if (has(FEATURE_CLEARCOAT)) {
         b.coat = coatAt(m, wo);
@@ -181,6 +175,17 @@ Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
         b.sheen = sheenAt(m, wo);
         b.below *= 1.0 - sheenAlbedo(b.sheen, wo);
     }
+}
+
+Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
+    Bsdf b;
+    b.face = interfaceAt(m, frontFace);
+    b.facets = facetsAt(m);
+    b.albedoTable = m.albedoTable;
+    b.diffuse = diffuseBaseAt(m);
+    b.mirror = isMirror(b.facets, b.face);
+    b.alpha = b.mirror ? 0.0 : meanAlpha(b.facets);  // the tables know a mirror by it
+    setLayers(b, m, wo);
     setInterface(b, wo, frontFace);
     setChances(b, wo);
     return b;
@@ -298,6 +303,19 @@ bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
     if (hasLayers()) colour *= b.below;
     return deltaSample(colour / (b.facetChance * (reflects ? chance : 1.0 - chance)), s);
 }
+
+// What goes straight on through smooth thin-walled glass, of light that leaves towards wo: the mean of the samples that
+// sampleFacets draws through it. 0 of any other surface.
+vec3 straightThrough(MaterialPoint m, vec3 wo, bool frontFace) {
+    Bsdf b;
+    b.face = interfaceAt(m, frontFace);
+    if (!b.face.thin || !(wo.z > 0.0) || !isMirror(facetsAt(m), b.face)) return vec3(0);
+    setLayers(b, m, wo);
+    return b.face.baseColor * (b.below * transmittance(b.face, wo.z));
+}
+
+// A sample that went this way.
+bool isStraightThrough(Bsdf b, BsdfSample s) { return s.delta && s.wi.z < 0.0 && b.face.thin; }
 
 // Draws wi; false for a sample that carries nothing. `u` chooses lobe and direction.
 bool bsdfSample(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {

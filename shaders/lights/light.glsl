@@ -30,8 +30,8 @@ struct LightSample {
 bool lightsFollow(uint rule) { return (parameters.lights.x & rule) != 0u; }
 #define lightsByTree() (has(FEATURE_LIGHT_TREE) && lightsFollow(LIGHTS_BY_TREE))
 #define lightsAll() (has(FEATURE_ALL_LIGHTS) && lightsFollow(LIGHTS_ALL))
-#define lightsAlone() (has(FEATURE_LIGHT_SAMPLING_ONLY) && lightsFollow(LIGHTS_ALONE))
-#define lightsByBsdf() (has(FEATURE_BSDF_SAMPLING_ONLY) && lightsFollow(LIGHTS_BY_BSDF))
+#define lightsAlone() (has(FEATURE_SINGLE_SAMPLING) && lightsFollow(LIGHTS_ALONE))
+#define lightsByBsdf() (has(FEATURE_SINGLE_SAMPLING) && lightsFollow(LIGHTS_BY_BSDF))
 
 vec4 lightTexel(uint light, uint texel) { return uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS + texel)); }
 

@@ -3,17 +3,21 @@
 #define DIRECT_LIGHT_GLSL
 
 #include "direction.glsl"
+#include "glass_shadow.glsl"
 #include "light_paths.glsl"
 #include "medium.glsl"
+#include "path_state.glsl"
 
 // The side on which a surface sees lights, for lightPmf; zero for both.
 vec3 lightSide(Surface s, Bsdf bsdf) {
     return isFogPoint(s) || lightPasses(bsdf) ? vec3(0) : s.geometricNormal;
 }
 
-// What is on either side of a surface: on wo's, and behind it.
-struct Media {
+// What light comes through to a surface: what is on wo's side and behind it, and what a path makes of panes.
+struct LightWay {
     Medium near, far;
+    uint channel;  // of the path
+    bool shadows;  // FEATURE_SHADOW_DEPTH: whether anything may be in the way
 };
 
 Medium mediumBehind(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
@@ -23,8 +27,9 @@ Medium mediumBehind(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
     return s.frontFace ? Medium(m.absorption, true, uvec4(NO_INDEX)) : outside();
 }
 
-Media mediaAt(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
-    return Media(near, isFogPoint(s) ? near : mediumBehind(near, s, m, bsdf));
+LightWay lightWay(PathState path, Surface s, MaterialPoint m, Bsdf bsdf) {
+    bool shadows = !has(FEATURE_SHADOW_DEPTH) || scatterings(path) < parameters.rules.z;
+    return LightWay(path.medium, isFogPoint(s) ? path.medium : mediumBehind(path.medium, s, m, bsdf), path.channel, shadows);
 }
 
 // What is left of a light's sample behind the medium that it comes through.
@@ -49,7 +54,7 @@ vec3 scattered(Surface s, Bsdf bsdf, vec3 wo, vec3 wi, out float pdf, out vec3 d
 
 // What a sampled point of a light sends along the path, weighted against the BSDF's finding it. Its parts are added to
 // `parts`.
-vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media,
+vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, LightWay way,
                   inout FirstScattering parts) {
     vec3 wi = l.wi * s.frame;
     // Light must not leak through the surface that the shading normal only pretends to be.
@@ -60,11 +65,15 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
     if (!(maxComponent(f) > 0.0)) return vec3(0);
     float weight = lightsAlone() ? 1.0 : powerHeuristic(l.pdf, pdf);
     vec3 contribution = l.pdf > 0.0 ? f * l.radiance * (weight / l.pdf) : f * l.radiance;
-    if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG))
-        contribution *= shadowTransmittance(l, wi.z > 0.0 || isFogPoint(s) ? media.near : media.far);
+    Medium medium = wi.z > 0.0 || isFogPoint(s) ? way.near : way.far;
+    if (has(FEATURE_ATTENUATION) || has(FEATURE_FOG)) contribution *= shadowTransmittance(l, medium);
     if (!(maxComponent(contribution) > 0.0)) return vec3(0);
-    bool shadows = !has(FEATURE_SHADOW_DEPTH) || bounce < parameters.rules.z;
-    if (shadows && occluded(l, s.primitive, shadowKey(key, bounce))) return vec3(0);
+    if (has(FEATURE_GLASS_SHADOWS)) {
+        if (way.shadows) contribution *= throughPanes(l, s, shadowKey(key, bounce), medium, way.channel);
+        if (!(maxComponent(contribution) > 0.0)) return vec3(0);
+    } else if (way.shadows && occluded(l, s.primitive, shadowKey(key, bounce))) {
+        return vec3(0);
+    }
     if (has(FEATURE_LIGHT_PATHS)) {
         if (isFogPoint(s))
             parts.volume += contribution;
@@ -77,7 +86,7 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
 }
 
 // Light that arrives straight from the lights; `parts`: of the surface's lobes in it.
-vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Media media, out FirstScattering parts) {
+vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, LightWay way, out FirstScattering parts) {
     parts = noScattering();
     // Of the kinds of lights only those without extent are left to this.
     if (lightsByBsdf() && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
@@ -85,11 +94,11 @@ vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Medi
     if (lightsAll()) {
         vec3 sum = vec3(0);
         for (uint group = 0u; group < parameters.lights.y; group++)
-            if (sampleGroup(group, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
+            if (sampleGroup(group, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
         return sum;
     }
     if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
-    return lightThrough(l, key, bounce, s, bsdf, wo, media, parts);
+    return lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
 }
 
 #endif

@@ -20,7 +20,7 @@ void addSuns(inout PathState path) {
         if (!sunCovers(towards, h, path.ray.direction)) continue;
         float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), path.from, path.side);
         vec3 radiance = vec3(lightTexel(light, 1u).w, lightTexel(light, 2u).w, lightTexel(light, 3u).w);
-        gather(path, radiance * emissionWeight(path, pmf * sunPdf(h)), path.bounce);
+        gather(path, radiance * emissionWeight(path, pmf * sunPdf(h)), scatteringsOfLight(path));
     }
 }
 
@@ -31,16 +31,17 @@ void addEnvironment(inout PathState path) {
     if (!has(FEATURE_ENVIRONMENT)) return;
     vec4 environment = environmentAlong(path.ray.direction);
     float weight = path.delta ? 1.0 : emissionWeight(path, environment.a * environmentPmf(path.from, path.side));
-    gather(path, environment.rgb * weight, path.bounce);
+    gather(path, environment.rgb * weight, scatteringsOfLight(path));
 }
 
 void addEmission(inout PathState path, Surface s, MaterialPoint m, float t) {
     if (!hasEmitters() || (m.flags & MATERIAL_EMISSIVE) == 0u) return;
     if (!emitsTowards(m.flags, s.frontFace)) return;
     float cosine = abs(dot(s.geometricNormal, path.ray.direction));
+    if (has(FEATURE_GLASS_SHADOWS)) t += path.passed;
     bool throughVeil = has(FEATURE_CUTOUT) && isCutOut(m.flags) && !s.frontFace;
     float weight = path.delta ? 1.0 : emissionWeight(path, emitterPdf(s.primitive, path.from, path.side, t, cosine, throughVeil));
-    gather(path, m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine)), path.bounce);
+    gather(path, m.emission * (weight * emissionThroughCoat(s.material, s.uv0, s.uv1, cosine)), scatteringsOfLight(path));
 }
 
 #endif

@@ -16,11 +16,24 @@ struct PathState {
     vec3 from;          // where the path scattered last, and lightSide there: what light sampling went by
     vec3 side;
     uint channel;       // the only one left after dispersion; 3: all
-    uint bounce;        // how many times it has scattered
+    uint bounce;        // how many surfaces and points in fog have sent it on; each has random numbers of its own
+    uint straight;      // FEATURE_GLASS_SHADOWS: panes of them that it crossed, which are no scattering
+    uint panes;         // likewise, since it scattered last
+    float passed;       // likewise, m from where it scattered last to the ray's origin
+    bool crossed;       // likewise, by the last of them
+    bool behindPane;    // likewise, before it scattered at all
     FirstScattering first;  // with FEATURE_LIGHT_PATHS
     bool rough;         // FEATURE_REGULARISATION: at a surface that was no mirror
     float clamped;      // FEATURE_CLAMP: luminance taken away
 };
+
+// How many times it has scattered.
+uint scatterings(PathState path) { return has(FEATURE_GLASS_SHADOWS) ? path.bounce - path.straight : path.bounce; }
+
+// Likewise as gather wants it. What the camera sees through a pane came through that, however many panes follow.
+uint scatteringsOfLight(PathState path) {
+    return has(FEATURE_GLASS_SHADOWS) && path.behindPane ? scatterings(path) + 1u : scatterings(path);
+}
 
 // Every light that reaches the camera comes by here. `scatterings`: how often it did between light and camera.
 void gather(inout PathState path, vec3 light, uint scatterings) {

@@ -23,7 +23,19 @@ bool russianRoulette(inout PathState path, float u) {
     return true;
 }
 
-// Scatters the path at a surface. False: the path ends.
+// Goes straight on through smooth thin-walled glass. Light behind it is still found by the last scattering, whose shadow
+// rays cross it too, so all that weighs one against the other stays.
+void crossPane(inout PathState path, Surface s, vec3 weight) {
+    path.throughput *= weight;
+    path.passed += distance(path.ray.origin, s.position);
+    path.behindPane = path.behindPane || scatterings(path) == 0u;
+    path.straight++;
+    path.panes++;
+    path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, path.ray.direction);
+    path.ray.skipPrimitive = s.primitive;
+}
+
+// Scatters the path at a surface, or has it cross a pane. False: the path ends.
 bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 wo, vec4 u) {
     BsdfSample b;
     bool found = sampleDirection(bsdf, wo, u.xyz, b);
@@ -35,6 +47,14 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     // A shading normal may send light into the surface, where none comes from.
     if (dot(direction, s.geometricNormal) * b.wi.z <= 0.0) return false;
     if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = sharesAlong(bsdf, wo, b.wi, b.delta);
+    path.crossed = has(FEATURE_GLASS_SHADOWS) && (m.flags & MATERIAL_PANE) != 0u && isStraightThrough(bsdf, b) &&
+                   path.panes < MOST_PANES;
+    if (path.crossed) {
+        crossPane(path, s, b.weight);
+        return maxComponent(path.throughput) > 0.0;
+    }
+    path.panes = 0u;
+    path.passed = 0.0;
     path.throughput *= b.weight;
     path.pdf = b.pdf;
     path.delta = b.delta;
@@ -61,19 +81,14 @@ bool scatterInFog(inout PathState path, vec3 position, vec4 u) {
     path.ray.direction = phaseSample(fogAnisotropy(), path.ray.direction, u.xy, path.pdf);
     path.ray.origin = position;
     path.ray.skipPrimitive = kNoPrimitive;
+    path.crossed = false;
+    path.panes = 0u;
+    path.passed = 0.0;
     path.delta = false;
     if (has(FEATURE_REGULARISATION)) path.rough = true;
     path.from = position;
     path.side = vec3(0);
     return maxComponent(path.throughput) > 0.0;
-}
-
-// Kaplanyan, Dachsbacher 2013: behind a rough surface nothing is a mirror, so that lights are found which only a mirror
-// would show. Blurs caustics. Behind FEATURE_REGULARISATION.
-void regularise(inout MaterialPoint m, float least) {
-    m.alpha = max(m.alpha, least);
-    m.alphaT = max(m.alphaT, least);
-    m.clearcoatAlpha = max(m.clearcoatAlpha, least);
 }
 
 // From its first dispersive surface on a path follows one channel, chosen uniformly and weighted up.

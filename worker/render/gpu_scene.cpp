@@ -72,8 +72,7 @@ std::vector<uint8_t> nonOpaquePrimitives(const Scene& scene, const WorldGeometry
 // Effects that the settings ask for by themselves, and the environment's.
 uint64_t lightingFeatures(const RenderSettings& settings, const Environment& environment) {
     uint64_t features = 0;
-    if (settings.directLight == DirectLight::lights) features |= gpu::bit(gpu::FEATURE_LIGHT_SAMPLING_ONLY);
-    if (settings.directLight == DirectLight::bsdf) features |= gpu::bit(gpu::FEATURE_BSDF_SAMPLING_ONLY);
+    if (settings.directLight != DirectLight::mis) features |= gpu::bit(gpu::FEATURE_SINGLE_SAMPLING);
     if (environment.image.width != 0 && environment.rotation != 0)
         features |= gpu::bit(gpu::FEATURE_ENVIRONMENT_ROTATION);
     if (!environment.visible) features |= gpu::bit(gpu::FEATURE_HIDDEN_ENVIRONMENT);

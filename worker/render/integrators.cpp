@@ -36,8 +36,7 @@ constexpr uint64_t kLighting =
           gpu::FEATURE_HIDDEN_ENVIRONMENT});
 constexpr uint64_t kEstimators =
     bits({gpu::FEATURE_ENERGY_COMPENSATION, gpu::FEATURE_LIGHT_TREE, gpu::FEATURE_ALL_LIGHTS,
-          gpu::FEATURE_LIGHT_SAMPLING_ONLY, gpu::FEATURE_BSDF_SAMPLING_ONLY, gpu::FEATURE_TRACE,
-          gpu::FEATURE_FAULT_INJECTION});
+          gpu::FEATURE_SINGLE_SAMPLING, gpu::FEATURE_TRACE, gpu::FEATURE_FAULT_INJECTION});
 
 uint32_t viewOf(Integrator integrator) {
     switch (integrator) {
@@ -59,10 +58,15 @@ IntegratorKernel kernelOf(Integrator integrator) {
     switch (integrator) {
         case Integrator::path: return {path_trace_comp, "path_trace", all, all, 0};
         case Integrator::whitted:
-            return {whitted_comp, "whitted", kCameras | kSurfaces | kLighting, kEstimators, 0};
+            return {whitted_comp, "whitted",
+                    kCameras | kSurfaces | kLighting | gpu::bit(gpu::FEATURE_GLASS_SHADOWS), kEstimators, 0};
         case Integrator::raster:
-            return {
-                raster_shade_comp, "raster_shade", kCameras | kSurfaces | kLighting, kEstimators, 0, true};
+            return {raster_shade_comp,
+                    "raster_shade",
+                    kCameras | kSurfaces | kLighting,
+                    kEstimators | gpu::bit(gpu::FEATURE_GLASS_SHADOWS),
+                    0,
+                    true};
         case Integrator::ambientOcclusion:
             return {ambient_occlusion_comp, "ambient_occlusion", kCameras | kSurfaces, all, 0};
         // Without textures no scene keeps its texture coordinates.

@@ -23,6 +23,20 @@ bool isSmooth(const Material& m) {
     return m.roughness * m.roughness < static_cast<float>(ALPHA_DELTA);
 }
 
+// A texture can only lower roughness and metallic.
+bool mayBeSmooth(const Material& m) {
+    return isSmooth(m) || m.metallicRoughnessTexture;
+}
+
+/// What shadow rays have to know of glass.
+uint32_t glassFlags(const Material& m, const RenderSettings& settings) {
+    const bool metal = m.metallic == 1 && !m.metallicRoughnessTexture;
+    if (m.unlit || metal || m.transmission == 0 || m.thickness > 0) return 0;
+    const bool clear =
+        mayBeSmooth(m) || settings.integrator == Integrator::whitted;  // which knows no rough panes
+    return clear ? gpu::MATERIAL_PANE : 0;
+}
+
 bool tintsSpecular(const Material& m) {
     return m.ior == 0 || m.specular != 1 || m.specularTexture || m.specularColor != glm::vec3(1) ||
            m.specularColorTexture || m.specularTint > 0;
@@ -51,7 +65,7 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
     if (kind == Microfacets::beckmann) features |= gpu::bit(gpu::FEATURE_BECKMANN);
     if (kind == Microfacets::phong) features |= gpu::bit(gpu::FEATURE_PHONG);
     if (m.anisotropy > 0) features |= gpu::bit(gpu::FEATURE_ANISOTROPY);
-    if (isSmooth(m) || m.metallicRoughnessTexture || (m.transmission > 0 && m.ior == 1) || dispersesToAir(m))
+    if (mayBeSmooth(m) || (m.transmission > 0 && m.ior == 1) || dispersesToAir(m))
         features |= gpu::bit(gpu::FEATURE_MIRROR);
     if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0 || settings.regularisation > 0))
         features |= gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);
@@ -69,6 +83,7 @@ uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
     if (m.conductor && m.metallic > 0) features |= gpu::bit(gpu::FEATURE_CONDUCTOR);
     if (m.iridescence > 0) features |= gpu::bit(gpu::FEATURE_IRIDESCENCE);
     if (m.dispersion > 0 && refracts(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
+    if ((glassFlags(m, settings) & gpu::MATERIAL_PANE) != 0) features |= gpu::bit(gpu::FEATURE_GLASS_SHADOWS);
     return features;
 }
 
@@ -81,6 +96,7 @@ void packInterface(gpu::MaterialRecord& record, const Material& m, const RenderS
     if (kind == Microfacets::beckmann) record.flags |= gpu::MATERIAL_BECKMANN;
     if (kind == Microfacets::phong) record.flags |= gpu::MATERIAL_PHONG;
     if (fresnelOf(m, settings) == Fresnel::schlick) record.flags |= gpu::MATERIAL_SCHLICK;
+    record.flags |= glassFlags(m, settings);
     if (m.conductor) record.flags |= gpu::MATERIAL_CONDUCTOR;
     record.metallic = m.metallic;
     record.roughness = m.roughness;

@@ -9,6 +9,7 @@ void neutraliseInterface(gpu::MaterialRecord& record, auto lacks) {
     if (!lacks(gpu::FEATURE_SPECULAR)) record.flags |= gpu::MATERIAL_INTERFACE;
     if (lacks(gpu::FEATURE_TRANSMISSION)) record.transmission = 0;
     if (lacks(gpu::FEATURE_DISPERSION)) record.dispersion = 0;
+    if (lacks(gpu::FEATURE_GLASS_SHADOWS)) record.flags &= ~gpu::MATERIAL_PANE;
     if (lacks(gpu::FEATURE_ATTENUATION)) record.absorption = gpu::vec3(0);
     if (lacks(gpu::FEATURE_SPECULAR_COLOR)) {
         record.specular = 1;

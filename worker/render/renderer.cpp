@@ -244,10 +244,10 @@ void Renderer::Impl::uploadTiles(std::span<const uint32_t> tiles) {
     if (raster) raster->setTiles(rects);
 }
 
-// A trace stands behind the film of one tile: a step for every scattering, for what the last ray met, and an
-// end.
+// A trace stands behind the film of one tile: a step for every scattering and every pane before the next, for
+// what the last ray met, and an end.
 uint64_t Renderer::Impl::filmBytes() const {
-    const uint64_t steps = traces() ? uint64_t{settings.maxBounces} + 3 : 0;
+    const uint64_t steps = traces() ? (uint64_t{settings.maxBounces} + 1) * (gpu::MOST_PANES + 1) + 2 : 0;
     return tileBytes() * tilesPerBatch + steps * gpu::TRACE_TEXELS * sizeof(gpu::vec4);
 }
 
