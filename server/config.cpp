@@ -57,6 +57,11 @@ ServerConfig parseCommandLine(int argc, char** argv) {
                    "Time after which the work of a silent worker goes to another")
         ->capture_default_str()
         ->check(CLI::Range(0.2, 3600.0));
+    app.add_option("--set-aside-after", config.queue.deathsThatSetAside,
+                   "A job is paused, with a reason, after so many deaths of workers that held the same pass; "
+                   "0: never")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000));
     app.add_option("--disk-floor-mib", floorMiB,
                    "Uploads and jobs are refused (507) below so much free space")
         ->capture_default_str();

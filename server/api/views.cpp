@@ -70,6 +70,7 @@ json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
             {"deviceSeconds", job.deviceSeconds},
             {"droppedSamples", job.droppedSamples},
             {"framesDone", job.framesDone},
+            {"setAside", job.setAside.empty() ? json() : json(job.setAside)},
             {"faults", faultsOf(job)},
             {"notices", noticesOf(job)},
             {"flagged", isFlagged(job)},

@@ -48,12 +48,18 @@ JobProgress progressOf(const json& view) {
     return p;
 }
 
+// It may go on, but not before somebody has looked at it.
+bool isSetAside(const json& view) {
+    const auto reason = view.find("setAside");
+    return reason != view.end() && reason->is_string();
+}
+
 int reportEnd(const json& view, const Console& console) {
     const std::string state = view.at("state");
     for (const json& notice : view.value("notices", json::array()))
         console.err << "note: " << notice.get<std::string>() << '\n';
     if (state == "completed") return kDone;
-    console.err << fmt::format("the job is {}\n", state);
+    console.err << fmt::format("the job is {}\n", isSetAside(view) ? "set aside" : state);
     for (const json& fault : view.value("faults", json::array()))
         console.err << "  " << (fault.is_string() ? fault.get<std::string>() : fault.dump()) << '\n';
     return kFailed;
@@ -73,7 +79,7 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console) 
                 heard = console.clock.now();
                 away = false;
                 line.show(progressOf(view));
-                if (isFinal(jobStateFrom(view.at("state").get<std::string>()))) break;
+                if (isFinal(jobStateFrom(view.at("state").get<std::string>())) || isSetAside(view)) break;
             } catch (const Error& e) {
                 if (e.code != ErrorCode::unavailable || console.clock.now() - heard > kServerMayBeAway) throw;
                 if (!std::exchange(away, true)) line.note(fmt::format("{}; trying again", e.what()));

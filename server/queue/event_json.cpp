@@ -19,6 +19,7 @@ std::string text(const json& value) {
 std::string jobStateJson(const JobRow& job) {
     json data{{"job", job.id}, {"state", toString(job.state)}};
     if (!job.faults.empty()) data["faults"] = job.faults;
+    if (!job.setAside.empty()) data["setAside"] = job.setAside;
     return text(data);
 }
 

@@ -45,8 +45,15 @@ Scheduler::Scheduler(JobStore& store, const Clock& clock, QueueConfig config, st
     // Workers may have renewed while this server was down: every open lease gets a whole one more.
     store_.read([&](const ConstTables& t) {
         for (const LeaseRow& lease : t.leases.open()) {
-            open_[lease.id] = {lease.epoch, lease.job, lease.worker, clock_.now() + config_.leaseTime};
+            const auto frame = t.frames.find(lease.job, lease.frame);
+            open_[lease.id] = {.epoch = lease.epoch,
+                               .job = lease.job,
+                               .worker = lease.worker,
+                               .deadline = clock_.now() + config_.leaseTime,
+                               .session = lease.session,
+                               .frameRevision = frame ? frame->revision : 0};
         }
+        for (const LeaseRow& lease : t.leases.lost()) lost_[lease.id] = {lease.job, lease.session};
     });
 }
 
@@ -104,6 +111,7 @@ JobRow Scheduler::moveJob(const std::string& id, const std::function<JobState(co
             endJob(t, job, to);
         } else {
             job.state = to;
+            if (!job.setAside.empty()) forgive(t, job);
             t.jobs.update(job);
             noteJobState(t, job);
         }
@@ -132,9 +140,11 @@ JobRow Scheduler::resume(const std::string& id) {
 void Scheduler::endJob(Tables& t, JobRow& job, JobState state) {
     job.state = state;
     job.finished = clock_.now();
+    job.setAside.clear();
     t.jobs.update(job);
     noteJobState(t, job);
     closeLeasesOf(t, job.key);
+    t.leases.forgetDeaths(job.key);
     for (FrameRow& frame : t.frames.listActive(job.key)) {
         t.passes.drop(job.key, frame.frame);
         frame.passesQueued = frame.passesLeased = 0;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +25,7 @@ struct QueueConfig {
     uint64_t mostPixelsPerLease = 1u << 20;  // pixels times passes; 64 bytes each in the upload
     size_t failingWorkers = 3;               // distinct ones that make a pass fail
     size_t quarantineJobs = 3;               // a worker alone in failing on so many is quarantined
+    size_t deathsThatSetAside = 3;           // of workers that held the same pass; 0: however many
     int64_t eventsKept = 200000;
 };
 
@@ -98,7 +100,9 @@ public:
     /// workers online than that, three reports by all of them are enough.
     void reportFailure(const std::string& leaseId, uint64_t epoch, const std::string& message);
     void putReport(const std::string& leaseId, uint64_t epoch, const std::string& json);
-    /// Takes back leases that were not renewed in time. A restarted server waits one lease first.
+    /// Takes back leases that were not renewed in time. A restarted server waits one lease first. Until
+    /// the worker's process is heard from again that counts as its death: see
+    /// QueueConfig::deathsThatSetAside.
     void expire();
 
     // Results
@@ -124,7 +128,15 @@ private:
         JobKey job = 0;
         std::string worker;
         TimePoint deadline{};
+        std::string session;
+        bool alone = false;          // a trial of a suspect frame: its process holds nothing else
+        uint64_t frameRevision = 0;  // when it was granted
     };
+    struct LostLease {
+        JobKey job = 0;
+        std::string session;
+    };
+    enum class Turn { now, later, wait };
     struct Budget {
         double samples = 0;
         uint64_t pixels = 0;
@@ -137,7 +149,7 @@ private:
     JobRow moveJob(const std::string& id, const std::function<JobState(const JobRow&)>& target);
     void endJob(Tables& t, JobRow& job, JobState state);
 
-    std::optional<Lease> leaseFrom(Tables& t, JobKey key, const WorkerHello& hello, double wantSeconds);
+    std::optional<Lease> leaseFrom(Tables& t, JobRow job, const WorkerHello& hello, double wantSeconds);
     Budget budgetFor(Tables& t, const JobRow& job, const JobInfo& info, const std::string& worker,
                      double wantSeconds);
     FrameRow startFrame(Tables& t, JobRow& job, const JobInfo& info);
@@ -148,11 +160,24 @@ private:
 
     OpenLease& openLease(const std::string& leaseId, uint64_t epoch);
     [[noreturn]] void explainLost(const std::string& leaseId, uint64_t epoch);
-    void giveUp(Tables& t, const std::string& leaseId, LeaseState state);
+    uint64_t giveUp(Tables& t, const std::string& leaseId, LeaseState state);
     bool failPass(Tables& t, PassRow& pass, const std::string& worker, const std::string& message);
     void failLeasedPasses(Tables& t, const LeaseRow& lease, const std::string& message);
     void quarantineIfAlone(Tables& t, const std::string& worker);
     void closeLeasesOf(Tables& t, JobKey job);
+
+    Turn turnOf(const JobRow& job, const WorkerHello& hello) const;
+    bool inTrial(const std::string& session) const;
+    void loseLeases(const std::function<bool(const OpenLease&)>& lost);
+    Loss lose(Tables& t, const std::string& leaseId);
+    bool heldOneJobOnly(const std::string& session) const;
+    void bury(const std::vector<std::string>& sessions);
+    void heard(const std::string& session);
+    void heardOfLease(const std::string& leaseId);
+    void takeBackDeath(Tables& t, const std::string& leaseId);
+    std::optional<DeadlyPass> deadlyPassOf(Tables& t, const JobRow& job) const;
+    void setAsideIfDeadly(Tables& t, JobRow& job);
+    void forgive(Tables& t, JobRow& job);
 
     struct Tally;
     void commitTile(Tables& t, FrameRow& frame, const TileMerge& tile, Tally& tally);
@@ -169,6 +194,7 @@ private:
     mutable std::mutex mutex_;  // every change goes through it; guards what follows
     WorkerRoster roster_;
     std::map<std::string, OpenLease> open_;  // by lease id; deadlines are not worth a write each
+    std::map<std::string, LostLease> lost_;  // by lease id; the process has not been heard from since
     bool eventsWritten_ = false;
 };
 

@@ -22,15 +22,20 @@ uint64_t tilePixels(const ImageSpec& image) {
 std::variant<Lease, NoLease> Scheduler::lease(const WorkerHello& hello, double wantSeconds) {
     expire();
     const std::scoped_lock lock(mutex_);
+    bury(hello.ended);
+    heard(sessionOf(hello));
     const bool store = roster_.seen(hello, clock_.now());
     const WorkerRow& worker = *roster_.find(hello.worker);
     const bool quarantined = worker.state == WorkerState::quarantined;
     std::optional<Lease> lease;
     write([&](Tables& t) {
         if (store) t.workers.put(worker);
-        if (quarantined) return;
+        if (quarantined || inTrial(sessionOf(hello))) return;
         t.jobs.forEachLeasable([&](JobKey key) {
-            lease = leaseFrom(t, key, hello, std::clamp(wantSeconds, kShortestWant, kLongestWant));
+            const JobRow job = *t.jobs.find(key);
+            const Turn turn = turnOf(job, hello);
+            if (turn != Turn::now) return turn == Turn::later;
+            lease = leaseFrom(t, job, hello, std::clamp(wantSeconds, kShortestWant, kLongestWant));
             return !lease;
         });
     });
@@ -39,18 +44,19 @@ std::variant<Lease, NoLease> Scheduler::lease(const WorkerHello& hello, double w
     return *std::move(lease);
 }
 
-std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobKey key, const WorkerHello& hello,
+std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobRow job, const WorkerHello& hello,
                                           double wantSeconds) {
-    JobRow job = *t.jobs.find(key);
     const auto info = catalog_.get(job);
     const Budget budget = budgetFor(t, job, *info, hello.worker, wantSeconds);
     const uint64_t epoch = t.leases.lastEpoch() + 1;
 
-    auto frames = t.frames.listActive(key);
+    auto frames = t.frames.listActive(job.key);
+    const bool trial = job.suspectFrame.has_value();
+    if (trial) std::erase_if(frames, [&](const FrameRow& frame) { return frame.frame != *job.suspectFrame; });
     const size_t mostActive = 8 + roster_.online(clock_.now());  // the rest stay without rows
     for (size_t i = 0;; ++i) {
         if (i == frames.size()) {
-            if (job.framesStarted == job.frames || frames.size() >= mostActive) return std::nullopt;
+            if (trial || job.framesStarted == job.frames || frames.size() >= mostActive) return std::nullopt;
             frames.push_back(startFrame(t, job, *info));
         }
         auto passes = takePasses(t, frames[i], *info, hello.worker, epoch, budget);
@@ -158,12 +164,21 @@ Lease Scheduler::grant(Tables& t, JobRow& job, const JobInfo& info, const FrameR
                      .frame = frame.frame,
                      .state = LeaseState::open,
                      .granted = clock_.now(),
-                     .passes = lease.passes});
-    open_[lease.id] = {epoch, job.key, hello.worker, clock_.now() + config_.leaseTime};
+                     .passes = lease.passes,
+                     .session = sessionOf(hello),
+                     .machine = machineOf(hello)});
+    open_[lease.id] = {.epoch = epoch,
+                       .job = job.key,
+                       .worker = hello.worker,
+                       .deadline = clock_.now() + config_.leaseTime,
+                       .session = sessionOf(hello),
+                       .alone = job.suspectFrame.has_value(),
+                       .frameRevision = frame.revision};
     return lease;
 }
 
 Scheduler::OpenLease& Scheduler::openLease(const std::string& leaseId, uint64_t epoch) {
+    heardOfLease(leaseId);
     const auto at = open_.find(leaseId);
     if (at == open_.end() || at->second.epoch != epoch) explainLost(leaseId, epoch);
     roster_.seen(at->second.worker, clock_.now());
@@ -191,17 +206,18 @@ void Scheduler::renew(const std::string& leaseId, uint64_t epoch) {
     openLease(leaseId, epoch).deadline = clock_.now() + config_.leaseTime;
 }
 
-// Passes of a lease that are still on loan go back to the queue.
-void Scheduler::giveUp(Tables& t, const std::string& leaseId, LeaseState state) {
+// Passes of a lease that are still on loan go back to the queue; how many.
+uint64_t Scheduler::giveUp(Tables& t, const std::string& leaseId, LeaseState state) {
     const auto lease = t.leases.find(leaseId);
-    if (!lease) return;  // its grant was not committed (a full disk)
+    if (!lease) return 0;  // its grant was not committed (a full disk)
     t.leases.close(lease->epoch, state);
     const uint64_t released = t.passes.release(lease->epoch, clock_.now());
-    if (released == 0) return;
+    if (released == 0) return 0;
     FrameRow frame = *t.frames.find(lease->job, lease->frame);
     frame.passesLeased -= std::min(frame.passesLeased, released);
     frame.passesQueued += released;
     t.frames.update(frame);
+    return released;
 }
 
 void Scheduler::handBack(const std::string& leaseId, uint64_t epoch) {
@@ -213,20 +229,7 @@ void Scheduler::handBack(const std::string& leaseId, uint64_t epoch) {
 
 void Scheduler::expire() {
     const std::scoped_lock lock(mutex_);
-    const TimePoint now = clock_.now();
-    std::vector<std::string> late;
-    for (const auto& [id, lease] : open_) {
-        if (lease.deadline <= now) late.push_back(id);
-    }
-    if (late.empty()) return;
-    write([&](Tables& t) {
-        for (const std::string& id : late) {
-            giveUp(t, id, LeaseState::expired);
-            const auto job = t.jobs.find(open_.at(id).job);
-            if (job) note(t, *job, "lease", leaseJson(open_.at(id).worker, LeaseState::expired));
-        }
-    });
-    for (const std::string& id : late) open_.erase(id);
+    loseLeases([now = clock_.now()](const OpenLease& lease) { return lease.deadline <= now; });
 }
 
 void Scheduler::putReport(const std::string& leaseId, uint64_t epoch, const std::string& json) {

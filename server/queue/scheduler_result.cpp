@@ -57,6 +57,7 @@ ResultTarget Scheduler::resultTarget(const std::string& leaseId, uint64_t epoch)
 // so a crash before it leaves the old slots in force, and a crash after it loses nothing.
 ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& merge) {
     const std::scoped_lock lock(mutex_);
+    heardOfLease(target.lease.id);
     Tally tally{*target.job, 0, merge.alreadyMerged, 0};
     double seconds = 0;
     write([&](Tables& t) {
@@ -79,6 +80,7 @@ ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& m
         job.keptLuminance += merge.keptLuminance;
         if (tally.merged > 0) {
             ++frame.revision;
+            if (job.suspectFrame == frame.frame) job.suspectFrame.reset();
             t.workers.addContribution({job.key, target.lease.worker, seconds, tally.merged, tally.samples});
         }
         completeLevels(t, job, frame, *target.job, merge, before);

@@ -108,6 +108,7 @@ std::vector<Violation> Scheduler::sweep() {
             found.push_back({"open-lease-is-watched", "lease " + lease.id, true});
         }
         t.leases.forgetClosedBefore(now - kLeasesKept);
+        std::erase_if(lost_, [&](const auto& at) { return !t.leases.find(at.first); });
         t.workers.forgetSeenBefore(now - kWorkersKept);
         t.events.forgetBelow(t.events.lastId() - config_.eventsKept);
     });

@@ -9,6 +9,14 @@ constexpr size_t kJobsRemembered = 16;
 constexpr Milliseconds kStoreEvery{60000};
 }  // namespace
 
+std::string machineOf(const WorkerHello& hello) {
+    return hello.host.empty() ? hello.worker : hello.host;
+}
+
+std::string sessionOf(const WorkerHello& hello) {
+    return hello.session.empty() ? hello.worker : hello.session;
+}
+
 WorkerRoster::WorkerRoster(Milliseconds onlineFor, const std::vector<WorkerRow>& known)
     : onlineFor_(onlineFor) {
     for (const WorkerRow& row : known) workers_[row.hello.worker] = row;
@@ -42,6 +50,13 @@ bool WorkerRoster::isOnline(const WorkerRow& row, TimePoint now) const {
 size_t WorkerRoster::online(TimePoint now) const {
     return static_cast<size_t>(std::count_if(workers_.begin(), workers_.end(),
                                              [&](const auto& at) { return isOnline(at.second, now); }));
+}
+
+bool WorkerRoster::onlineElsewhere(const std::vector<std::string>& machines, TimePoint now) const {
+    return std::any_of(workers_.begin(), workers_.end(), [&](const auto& at) {
+        return isOnline(at.second, now) &&
+               std::find(machines.begin(), machines.end(), machineOf(at.second.hello)) == machines.end();
+    });
 }
 
 std::vector<WorkerRow> WorkerRoster::list(TimePoint now) const {

@@ -8,6 +8,11 @@
 
 namespace tilefarm {
 
+/// Where a worker runs: its host, or itself if it does not say.
+std::string machineOf(const WorkerHello& hello);
+/// The process that a worker is a device of.
+std::string sessionOf(const WorkerHello& hello);
+
 /// Who asked for work lately and how fast each is. Lives in memory: a restarted server learns speeds
 /// anew within a lease. Not thread safe; the scheduler guards it.
 class WorkerRoster {
@@ -19,6 +24,8 @@ public:
     void seen(const std::string& worker, TimePoint now);
     WorkerRow* find(const std::string& worker);
     size_t online(TimePoint now) const;
+    /// Whether a worker is online on a machine that is not among these.
+    bool onlineElsewhere(const std::vector<std::string>& machines, TimePoint now) const;
     /// Rows with the state of the moment: offline where not seen lately.
     std::vector<WorkerRow> list(TimePoint now) const;
     void forgetSeenBefore(TimePoint lastSeen);

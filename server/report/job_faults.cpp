@@ -40,6 +40,7 @@ bool isFlagged(const JobRow& job) {
 
 std::vector<std::string> faultsOf(const JobRow& job) {
     std::vector<std::string> faults = job.faults;
+    if (!job.setAside.empty()) faults.push_back(job.setAside);
     if (const uint64_t dropped = droppedOf(job))
         faults.push_back(
             fmt::format("{} NaN or infinite and left out; see numerics.samples",

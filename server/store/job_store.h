@@ -108,6 +108,14 @@ struct LeaseTable {
     virtual void addFailure(const FailureRow& row) = 0;
     virtual std::vector<FailureRow> failures(JobKey job, int32_t frame, uint32_t tile,
                                              uint32_t first) const = 0;
+    /// Leases that were lost with their process, and not found again.
+    virtual std::vector<LeaseRow> lost() const = 0;
+    virtual void setLoss(uint64_t epoch, Loss loss) = 0;
+    /// Adds to the deaths of each pass of the lease; never below none.
+    virtual void addDeaths(const LeaseRow& lease, int32_t count) = 0;
+    /// The first pass with at least so many deaths.
+    virtual std::optional<DeadlyPass> deadly(JobKey job, uint64_t least) const = 0;
+    virtual void forgetDeaths(JobKey job) = 0;
     /// Jobs in which the worker failed and another worker had passes merged.
     virtual size_t jobsOnlyThisWorkerFailed(const std::string& worker) const = 0;
 };

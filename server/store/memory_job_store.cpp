@@ -155,6 +155,7 @@ struct Leases : LeaseTable {
     std::map<uint64_t, LeaseRow> rows;
     uint64_t last = 0;
     std::vector<FailureRow> failureRows;
+    std::map<PassKey, uint64_t> deaths;
     const std::vector<ContributionRow>* contributions = nullptr;  // of the worker table, set by State
 
     std::optional<LeaseRow> find(const std::string& id) const override {
@@ -184,6 +185,31 @@ struct Leases : LeaseTable {
         std::erase_if(rows, [&](const auto& at) {
             return at.second.state != LeaseState::open && at.second.granted < granted;
         });
+    }
+    std::vector<LeaseRow> lost() const override {
+        std::vector<LeaseRow> found;
+        for (const auto& [epoch, row] : rows) {
+            if (row.loss != Loss::none) found.push_back(row);
+        }
+        return found;
+    }
+    void setLoss(uint64_t epoch, Loss loss) override { rows.at(epoch).loss = loss; }
+    void addDeaths(const LeaseRow& lease, int32_t count) override {
+        for (const LeasedPass& pass : lease.passes) {
+            uint64_t& held = deaths[{lease.job, lease.frame, pass.samples.first, pass.tile}];
+            held = static_cast<uint64_t>(std::max<int64_t>(0, static_cast<int64_t>(held) + count));
+        }
+    }
+    std::optional<DeadlyPass> deadly(JobKey job, uint64_t least) const override {
+        for (auto at = deaths.lower_bound({job, INT32_MIN, 0, 0});
+             at != deaths.end() && std::get<0>(at->first) == job; ++at) {
+            const auto& [key, frame, first, tile] = at->first;
+            if (at->second >= least) return DeadlyPass{frame, tile, first, at->second};
+        }
+        return std::nullopt;
+    }
+    void forgetDeaths(JobKey job) override {
+        std::erase_if(deaths, [&](const auto& at) { return std::get<0>(at.first) == job; });
     }
     void addFailure(const FailureRow& row) override {
         for (FailureRow& old : failureRows) {

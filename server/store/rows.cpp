@@ -18,6 +18,8 @@ constexpr std::array kLeaseWords{
     Words<LeaseState>{LeaseState::open, "open"},       Words<LeaseState>{LeaseState::merged, "merged"},
     Words<LeaseState>{LeaseState::expired, "expired"}, Words<LeaseState>{LeaseState::returned, "returned"},
     Words<LeaseState>{LeaseState::failed, "failed"},   Words<LeaseState>{LeaseState::revoked, "revoked"}};
+constexpr std::array kLossWords{Words<Loss>{Loss::none, "none"}, Words<Loss>{Loss::counted, "counted"},
+                                Words<Loss>{Loss::shared, "shared"}};
 constexpr std::array kWorkerWords{Words<WorkerState>{WorkerState::online, "online"},
                                   Words<WorkerState>{WorkerState::draining, "draining"},
                                   Words<WorkerState>{WorkerState::parked, "parked"},
@@ -48,6 +50,9 @@ std::string_view toString(FrameState state) {
 std::string_view toString(LeaseState state) {
     return wordOf(kLeaseWords, state);
 }
+std::string_view toString(Loss loss) {
+    return wordOf(kLossWords, loss);
+}
 std::string_view toString(WorkerState state) {
     return wordOf(kWorkerWords, state);
 }
@@ -56,6 +61,9 @@ FrameState frameStateFrom(std::string_view word) {
 }
 LeaseState leaseStateFrom(std::string_view word) {
     return stateOf(kLeaseWords, word);
+}
+Loss lossFrom(std::string_view word) {
+    return stateOf(kLossWords, word);
 }
 WorkerState workerStateFrom(std::string_view word) {
     return stateOf(kWorkerWords, word);

@@ -41,8 +41,12 @@ struct JobRow {
     // PassFaults of shared/film/film.h, of all merged passes.
     uint64_t rejectedPaths = 0, truncatedPaths = 0, clampedSamples = 0;
     double truncatedThroughput = 0, clampedLuminance = 0;
-    double keptLuminance = 0;  // of all samples, summed up; counted where settings clamp
+    double keptLuminance = 0;               // of all samples, summed up; counted where settings clamp
     std::vector<std::string> faultSamples;  // "frame x y sample" of the first dropped samples
+    // What is known of workers that ended while they held passes: server/queue/scheduler_loss.cpp.
+    std::optional<int32_t> suspectFrame;  // tried by one worker at a time until some of it is merged
+    std::vector<std::string> diedOn;      // machines where a worker ended with passes of this job alone
+    std::string setAside;                 // why no more is handed out until a person resumes it; empty: it is
 
     double fractionDone() const {
         return pixelSamples == 0
@@ -113,6 +117,11 @@ struct PassRow {
     TimePoint queuedAt{};
 };
 
+/// Whether a lease was lost with its process: it ran out, or the process is known to have ended.
+/// counted: as a death, for each of its passes; shared: the process held other jobs' passes as well, so
+/// that nobody knows which of them ended it.
+enum class Loss { none, counted, shared };
+
 enum class LeaseState { open, merged, expired, returned, failed, revoked };
 
 struct LeaseRow {
@@ -124,6 +133,17 @@ struct LeaseRow {
     LeaseState state = LeaseState::open;
     TimePoint granted{};
     std::vector<LeasedPass> passes;
+    std::string session{};  // the worker's process
+    std::string machine{};  // where it runs
+    Loss loss = Loss::none;
+};
+
+/// A pass that workers held when they ended.
+struct DeadlyPass {
+    int32_t frame = 0;
+    uint32_t tile = 0, firstSample = 0;
+    uint64_t deaths = 0;
+    friend bool operator==(const DeadlyPass&, const DeadlyPass&) = default;
 };
 
 enum class WorkerState { online, draining, parked, quarantined, offline };
@@ -171,9 +191,11 @@ struct EventRow {
 
 std::string_view toString(FrameState state);
 std::string_view toString(LeaseState state);
+std::string_view toString(Loss loss);
 std::string_view toString(WorkerState state);
 FrameState frameStateFrom(std::string_view word);
 LeaseState leaseStateFrom(std::string_view word);
+Loss lossFrom(std::string_view word);
 WorkerState workerStateFrom(std::string_view word);
 
 }  // namespace tilefarm

@@ -52,6 +52,9 @@ struct Jobs : JobTable {
         row.clampedSamples = q.number<uint64_t>(26);
         row.clampedLuminance = q.real(27);
         row.keptLuminance = q.real(28);
+        if (!q.null(29)) row.suspectFrame = q.number<int32_t>(29);
+        row.diedOn = splitLines(q.text(30));
+        row.setAside = q.text(31);
         return row;
     }
     static std::optional<JobRow> first(Query& q) { return q.next() ? std::optional(row(q)) : std::nullopt; }
@@ -106,14 +109,15 @@ struct Jobs : JobTable {
         return row.idempotencyKey.empty() ? std::nullopt : std::optional(row.idempotencyKey);
     }
     JobKey insert(const JobRow& row) override {
-        auto q =
-            c.query("INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+        auto q = c.query(
+            "INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.id, toString(row.state), row.priority, row.specJson, keyOrNull(row), row.bodyDigest,
                row.created, row.started, row.finished, row.passes, row.passesMerged, row.pixelSamples,
                row.pixelSamplesMerged, row.frames, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
-               row.clampedSamples, row.clampedLuminance, row.keptLuminance)
+               row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.suspectFrame,
+               joinLines(row.diedOn), row.setAside)
             .run();
         return c.db().getLastInsertRowid();
     }
@@ -123,12 +127,14 @@ struct Jobs : JobTable {
             "pixel_samples_merged=?, frames_started=?, frames_done=?, samples_merged=?, "
             "relative_error=?, device_seconds=?, "
             "dropped_samples=?, faults=?, rejected_paths=?, truncated_paths=?, fault_samples=?, "
-            "truncated_throughput=?, clamped_samples=?, clamped_luminance=?, kept_luminance=? WHERE key=?");
+            "truncated_throughput=?, clamped_samples=?, clamped_luminance=?, kept_luminance=?, "
+            "suspect_frame=?, died_on=?, set_aside=? WHERE key=?");
         q.with(toString(row.state), row.priority, row.started, row.finished, row.passesMerged,
                row.pixelSamplesMerged, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
-               row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.key)
+               row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.suspectFrame,
+               joinLines(row.diedOn), row.setAside, row.key)
             .run();
     }
 };
@@ -402,7 +408,15 @@ struct Leases : LeaseTable {
                 .frame = q.number<int32_t>(4),
                 .state = leaseStateFrom(q.text(5)),
                 .granted = q.time(6),
-                .passes = unpackPasses(q.text(7))};
+                .passes = unpackPasses(q.text(7)),
+                .session = q.text(8),
+                .machine = q.text(9),
+                .loss = lossFrom(q.text(10))};
+    }
+    static std::vector<LeaseRow> all(Query& q) {
+        std::vector<LeaseRow> found;
+        while (q.next()) found.push_back(row(q));
+        return found;
     }
     std::optional<LeaseRow> find(const std::string& id) const override {
         auto q = c.query("SELECT * FROM leases WHERE id = ?");
@@ -410,18 +424,16 @@ struct Leases : LeaseTable {
     }
     std::vector<LeaseRow> open() const override {
         auto q = c.query("SELECT * FROM leases WHERE state = 'open' ORDER BY epoch");
-        std::vector<LeaseRow> found;
-        while (q.next()) found.push_back(row(q));
-        return found;
+        return all(q);
     }
     uint64_t lastEpoch() const override {
         auto q = c.query("SELECT seq FROM sqlite_sequence WHERE name = 'leases'");
         return q.next() ? q.number<uint64_t>(0) : 0;
     }
     void insert(const LeaseRow& row) override {
-        auto q = c.query("INSERT INTO leases VALUES (?,?,?,?,?,?,?,?)");
+        auto q = c.query("INSERT INTO leases VALUES (?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.epoch, row.id, row.worker, row.job, row.frame, toString(row.state), row.granted,
-               packPasses(row.passes))
+               packPasses(row.passes), row.session, row.machine, toString(row.loss))
             .run();
     }
     void close(uint64_t epoch, LeaseState state) override {
@@ -431,6 +443,34 @@ struct Leases : LeaseTable {
     void forgetClosedBefore(TimePoint granted) override {
         auto q = c.query("DELETE FROM leases WHERE state <> 'open' AND granted < ?");
         q.with(granted).run();
+    }
+    std::vector<LeaseRow> lost() const override {
+        auto q = c.query("SELECT * FROM leases INDEXED BY leases_lost WHERE loss <> 'none' ORDER BY epoch");
+        return all(q);
+    }
+    void setLoss(uint64_t epoch, Loss loss) override {
+        auto q = c.query("UPDATE leases SET loss = ? WHERE epoch = ?");
+        q.with(toString(loss), epoch).run();
+    }
+    void addDeaths(const LeaseRow& lease, int32_t count) override {
+        for (const LeasedPass& pass : lease.passes) {
+            auto q = c.query(
+                "INSERT INTO deaths VALUES (?1,?2,?3,?4,max(0,?5)) "
+                "ON CONFLICT DO UPDATE SET deaths = max(0, deaths + ?5)");
+            q.with(lease.job, lease.frame, pass.samples.first, pass.tile, count).run();
+        }
+    }
+    std::optional<DeadlyPass> deadly(JobKey job, uint64_t least) const override {
+        auto q = c.query(
+            "SELECT frame, tile, first_sample, deaths FROM deaths WHERE job = ? AND deaths >= ? "
+            "ORDER BY frame, first_sample, tile LIMIT 1");
+        if (!q.with(job, least).next()) return std::nullopt;
+        return DeadlyPass{q.number<int32_t>(0), q.number<uint32_t>(1), q.number<uint32_t>(2),
+                          q.number<uint64_t>(3)};
+    }
+    void forgetDeaths(JobKey job) override {
+        auto q = c.query("DELETE FROM deaths WHERE job = ?");
+        q.with(job).run();
     }
     void addFailure(const FailureRow& row) override {
         auto q = c.query(

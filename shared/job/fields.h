@@ -175,6 +175,9 @@ void describe(Visitor& v, Is<WorkerHello> auto& hello) {
     v.text({"device", "Vulkan device name"}, hello.device, {0, 256});
     v.text({"driver", "driver name and version"}, hello.driver, {0, 512});
     v.text({"version", "of Tilefarm", kRequired}, hello.version, {1, 64});
+    v.text({"session", "the worker's process, the same for all of its devices"}, hello.session, {0, 200});
+    v.texts({"ended", "sessions on this machine that were killed or crashed"}, hello.ended, {0, 100},
+            {1, 200});
 }
 
 template <typename Visitor>

@@ -127,14 +127,25 @@ void JsonReader::flag(Member m, bool& out) {
 }
 
 void JsonReader::text(Member m, std::string& out, TextLength length) {
+    if (const json* value = member(m)) readText(*value, place(m), out, length);
+}
+
+void JsonReader::texts(Member m, std::vector<std::string>& out, CountRange count, TextLength each) {
     const json* value = member(m);
-    if (!value) return;
-    if (!value->is_string()) return refuse(*value, place(m), "must be a string");
-    const auto& text = value->get_ref<const std::string&>();
+    if (!value || !isListOf(*value, place(m), count)) return;
+    out.assign(value->size(), {});
+    for (size_t i = 0; i < out.size(); ++i)
+        readText((*value)[i], place(m) + "/" + std::to_string(i), out[i], each);
+}
+
+void JsonReader::readText(const Json& value, const std::string& pointer, std::string& out,
+                          TextLength length) {
+    if (!value.is_string()) return refuse(value, pointer, "must be a string");
+    const auto& text = value.get_ref<const std::string&>();
     if (const size_t n = codePoints(text); n < length.least || n > length.most)
         return faults_->add(
-            place(m), fmt::format("must have {} to {} characters, not {}", length.least, length.most, n));
-    if (hasControlCharacter(text)) return faults_->add(place(m), "must not have control characters");
+            pointer, fmt::format("must have {} to {} characters, not {}", length.least, length.most, n));
+    if (hasControlCharacter(text)) return faults_->add(pointer, "must not have control characters");
     out = text;
 }
 

@@ -109,6 +109,7 @@ public:
     }
     void flag(Member m, bool& out);
     void text(Member m, std::string& out, TextLength length);
+    void texts(Member m, std::vector<std::string>& out, CountRange count, TextLength each);
     template <typename Enum, size_t N>
     void choice(Member m, Enum& out, const std::array<Choice<Enum>, N>& choices) {
         std::array<std::string_view, N> words;
@@ -169,6 +170,7 @@ private:
     bool isListOf(const Json& value, const std::string& pointer, CountRange count);
     bool wholeNumber(const Json& value, const std::string& pointer, IntegerRange range, int64_t& out);
     bool readNumber(const Json& value, const std::string& pointer, double& out, NumberRange range);
+    void readText(const Json& value, const std::string& pointer, std::string& out, TextLength length);
     bool readWord(const Json& value, const std::string& pointer, std::span<const std::string_view> words,
                   size_t& index);
     template <typename T, typename Read>
@@ -210,6 +212,9 @@ public:
     }
     void flag(Member m, bool value) { json_[std::string(m.name)] = value; }
     void text(Member m, const std::string& value, TextLength) { json_[std::string(m.name)] = value; }
+    void texts(Member m, const std::vector<std::string>& values, CountRange, TextLength) {
+        json_[std::string(m.name)] = values;
+    }
     template <typename Enum, size_t N>
     void choice(Member m, Enum value, const std::array<Choice<Enum>, N>& choices) {
         for (const auto& c : choices)
@@ -291,8 +296,15 @@ public:
     }
     void flag(Member m, bool value) { property(m, {{"type", "boolean"}, {"default", value}}); }
     void text(Member m, const std::string& value, TextLength length) {
-        Json& p = property(m, {{"type", "string"}, {"minLength", length.least}, {"maxLength", length.most}});
+        Json& p = property(m, ofText(length));
         if (!m.required) p["default"] = value;
+    }
+    void texts(Member m, const std::vector<std::string>& values, CountRange c, TextLength each) {
+        property(m, {{"type", "array"},
+                     {"items", ofText(each)},
+                     {"minItems", c.least},
+                     {"maxItems", c.most},
+                     {"default", values}});
     }
     template <typename Enum, size_t N>
     void choice(Member m, Enum value, const std::array<Choice<Enum>, N>& choices) {
@@ -342,6 +354,9 @@ public:
     }
 
 private:
+    static Json ofText(TextLength length) {
+        return {{"type", "string"}, {"minLength", length.least}, {"maxLength", length.most}};
+    }
     static Json ofNumber(NumberRange r) {
         return {{"type", "number"}, {"minimum", r.least}, {"maximum", r.most}};
     }

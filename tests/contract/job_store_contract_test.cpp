@@ -107,6 +107,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.clampedLuminance = 0.75;
         job.keptLuminance = 2.25;
         job.faultSamples = {"0 1 2 3", "4 5 6 7"};
+        job.suspectFrame = -3;
+        job.diedOn = {"one", "two"};
+        job.setAside = "why";
         t.jobs.update(job);
     });
     read([&](const ConstTables& t) {
@@ -118,6 +121,9 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.finished, std::nullopt);
         EXPECT_EQ(found.passesMerged, 3u);
         EXPECT_EQ(found.pixelSamples, 1000u);
+        EXPECT_EQ(found.suspectFrame, -3);
+        EXPECT_EQ(found.diedOn, (std::vector<std::string>{"one", "two"}));
+        EXPECT_EQ(found.setAside, "why");
         EXPECT_EQ(found.pixelSamplesMerged, 7u);
         EXPECT_EQ(found.relativeError, 0.25);
         EXPECT_EQ(found.deviceSeconds, 1.5);
@@ -408,6 +414,62 @@ TEST_P(JobStoreContract, NeverGivesAnEpochTwice) {
     read([&](const ConstTables& t) {
         EXPECT_FALSE(t.leases.find("l"));
         EXPECT_EQ(t.leases.lastEpoch(), 7u);
+    });
+}
+
+TEST_P(JobStoreContract, RemembersLeasesThatWereLostWithTheirProcess) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        for (const uint64_t epoch : {1, 2, 3}) {
+            t.leases.insert({.epoch = epoch,
+                             .id = "l" + std::to_string(epoch),
+                             .worker = "w",
+                             .job = job,
+                             .passes = {},
+                             .session = "s",
+                             .machine = "m"});
+        }
+        t.leases.setLoss(1, Loss::counted);
+        t.leases.setLoss(2, Loss::shared);
+        t.leases.setLoss(3, Loss::shared);
+        t.leases.setLoss(3, Loss::none);
+    });
+    read([&](const ConstTables& t) {
+        const auto lost = t.leases.lost();
+        ASSERT_EQ(lost.size(), 2u);
+        EXPECT_EQ(lost[0].loss, Loss::counted);
+        EXPECT_EQ(lost[0].session, "s");
+        EXPECT_EQ(lost[0].machine, "m");
+        EXPECT_EQ(lost[1].loss, Loss::shared);
+    });
+}
+
+TEST_P(JobStoreContract, CountsTheDeathsOfEachPassAndNeverBelowNone) {
+    const JobKey job = addFrame(1), other = addFrame(1, "b");
+    const auto held = [](JobKey key, std::vector<LeasedPass> passes) {
+        return LeaseRow{.id = {}, .worker = {}, .job = key, .frame = -1, .passes = std::move(passes)};
+    };
+    write([&](Tables& t) {
+        t.leases.addDeaths(held(job, {{7, {0, 1}}, {2, {1, 1}}}), 1);
+        t.leases.addDeaths(held(job, {{2, {1, 1}}}), 1);
+        t.leases.addDeaths(held(other, {{2, {1, 1}}}), 1);
+        t.leases.addDeaths(held(other, {{3, {1, 1}}}), -1);
+        t.leases.addDeaths(held(other, {{3, {1, 1}}}), 1);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.leases.deadly(job, 1), (DeadlyPass{-1, 7, 0, 1}));  // the first in the order of leases
+        EXPECT_EQ(t.leases.deadly(job, 2), (DeadlyPass{-1, 2, 1, 2}));
+        EXPECT_EQ(t.leases.deadly(job, 3), std::nullopt);
+        EXPECT_EQ(t.leases.deadly(other, 2), std::nullopt);
+    });
+    write([&](Tables& t) {
+        t.leases.addDeaths(held(job, {{2, {1, 1}}}), -1);
+        EXPECT_EQ(t.leases.deadly(job, 2), std::nullopt);
+        t.leases.forgetDeaths(job);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.leases.deadly(job, 1), std::nullopt);
+        EXPECT_TRUE(t.leases.deadly(other, 1));
     });
 }
 

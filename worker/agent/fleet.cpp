@@ -50,8 +50,9 @@ void runMember(const FleetParts& parts, const FleetMember& member, Standing& sta
     }
     const DeviceName device = backend->device();
     Agent agent({*asking, *backend, parts.cache, keeper, queue, standing, parts.stop, parts.clock},
-                {member.worker, parts.host, device.name, device.driver, parts.version}, parts.wantSeconds,
-                seed + 1);
+                {member.worker, parts.host, device.name, device.driver, parts.version, parts.store.session(),
+                 parts.store.crashed()},
+                parts.wantSeconds, seed + 1);
     spdlog::info("{}: {} ({})", member.worker, device.name, device.driver);
     const Helpers helpers(uploader, queue, keeper);
     agent.run();

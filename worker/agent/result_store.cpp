@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -23,6 +24,7 @@ namespace {
 
 constexpr const char* kLock = "lock";
 constexpr const char* kSuffix = ".result";
+constexpr const char* kAtWork = "at-work";  // gone once a process has ended by itself
 
 // The lock file of a folder, locked, or -1 if another process has it. The system lets go of the lock
 // when the process ends in whatever way.
@@ -97,10 +99,12 @@ ResultStore::ResultStore(const fs::path& folder, std::string server)
     }
     if (lock_ < 0)
         throw Error(ErrorCode::internal, "cannot lock a folder for results in " + parent_.string());
+    std::ofstream(folder_ / kAtWork).flush();
 }
 
 ResultStore::~ResultStore() {
     std::error_code ignored;
+    fs::remove(folder_ / kAtWork, ignored);
     if (resultsIn(folder_).empty()) fs::remove_all(folder_, ignored);
     close(lock_);
 }
@@ -144,6 +148,7 @@ std::vector<fs::path> ResultStore::adopt() {
         if (item.path() == folder_) continue;
         const int lock = tryLock(item.path(), 0);
         if (lock < 0) continue;
+        if (fs::remove(item.path() / kAtWork, ignored)) crashed_.push_back(item.path().filename().string());
         for (const fs::path& file : resultsIn(item.path())) {
             try {
                 const std::vector<std::byte> bytes = readWhole(file);

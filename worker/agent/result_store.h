@@ -41,12 +41,18 @@ public:
     /// Moves the results of ended processes here and lists them, oldest first.
     std::vector<std::filesystem::path> adopt();
 
+    /// This process, by the name of its folder, which is a random one.
+    std::string session() const { return folder_.filename().string(); }
+    /// Sessions that adopt() found to have been killed or to have crashed.
+    const std::vector<std::string>& crashed() const { return crashed_; }
+
 private:
     std::filesystem::path nextFile();
 
     const std::filesystem::path parent_;
     const std::string server_;
     std::filesystem::path folder_;
+    std::vector<std::string> crashed_;
     int lock_ = -1;
     std::mutex mutex_;
     uint64_t saved_ = 0;

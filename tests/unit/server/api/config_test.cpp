@@ -22,6 +22,8 @@ TEST(ServerConfig, ReadsHostAndPort) {
     EXPECT_EQ(parse({"--listen", "127.0.0.1:0"}).http.port, 0);
     EXPECT_EQ(parse({"--listen", "[::1]:8080"}).http.host, "::1");
     EXPECT_EQ(parse({"--lease-seconds", "1.5"}).queue.leaseTime, Milliseconds(1500));
+    EXPECT_EQ(parse({}).queue.deathsThatSetAside, 3u);
+    EXPECT_EQ(parse({"--set-aside-after", "0"}).queue.deathsThatSetAside, 0u);
     for (const char* bad : {"127.0.0.1", ":80", "host:", "host:x", "host:70000", "host:-1"}) {
         EXPECT_EQ(codeOf([&] { parse({"--listen", bad}); }), ErrorCode::invalidArgument) << bad;
     }

@@ -20,6 +20,24 @@ TEST_F(ApiTest, RefusesAWorkerOfAnotherVersion) {
     EXPECT_EQ(post("/v1/leases", json::object())->status, 400);
 }
 
+TEST_F(ApiTest, SaysWhyAJobIsSetAsideAndResumesIt) {
+    const std::string path = "/v1/jobs/" + submit()["id"].get<std::string>();
+    EXPECT_EQ(parsed(get(path))["setAside"], nullptr);
+    for (int process = 0; process < 4; ++process) {  // each but the first follows one that was killed
+        WorkerHello worker = hello("w" + std::to_string(process));
+        worker.session = std::to_string(process);
+        if (process > 0) worker.ended = {std::to_string(process - 1)};
+        EXPECT_EQ(post("/v1/leases", toJson(worker))->status, process < 3 ? 201 : 204);
+    }
+    const json view = parsed(get(path));
+    EXPECT_EQ(view["state"], "paused");
+    EXPECT_NE(view["setAside"].get<std::string>().find("3 workers were killed"), std::string::npos);
+    EXPECT_EQ(view["faults"], json::array({view["setAside"]}));
+    const json resumed = parsed(client.Post((path + "/resume").c_str()));
+    EXPECT_EQ(resumed["state"], "running");
+    EXPECT_EQ(resumed["setAside"], nullptr);
+}
+
 TEST_F(ApiTest, TakesAJobFromSubmissionToItsImage) {
     const std::string id = submit()["id"];
     const auto answer = askForWork();
@@ -124,7 +142,8 @@ TEST_F(ApiTest, GivesEachLeaseCallItsAnswer) {
         204);
     EXPECT_EQ(parsed(get("/v1/jobs/" + id + "/report"))["features"]["leftOut"], json({"sky"}));
     EXPECT_EQ(post(path + "/failure", {{"epoch", lease.epoch}})->status, 400);
-    EXPECT_EQ(client.Post((path + "/failure").c_str(), "{\"message\":\"\xff\"}", "application/json")->status, 400);
+    EXPECT_EQ(client.Post((path + "/failure").c_str(), "{\"message\":\"\xff\"}", "application/json")->status,
+              400);
     EXPECT_EQ(post(path + "/failure", {{"epoch", lease.epoch}, {"message", "device lost"}})->status, 204);
     EXPECT_EQ(post(path + "/renew", epoch)->status, 409);
 

@@ -149,11 +149,14 @@ TEST_F(SchedulerTest, WaitsOneLeaseAfterARestartBeforeItExpiresAny) {
     EXPECT_EQ(codeOf([&] { scheduler->renew(out.id, out.epoch); }), ErrorCode::conflict);
 }
 
+// All of workers that are alive: each is heard from again. Those that are not: scheduler_loss_test.cpp.
 TEST_F(SchedulerTest, NeverFailsWorkForTimeouts) {
     const std::string id = submit();
     for (int i = 0; i < 50; ++i) {
-        lease("w" + std::to_string(i));
+        const Lease late = lease("w" + std::to_string(i));
         clock.advance(config.workerOnlineFor);
+        EXPECT_EQ(codeOf([&] { scheduler->expire(), scheduler->renew(late.id, late.epoch); }),
+                  ErrorCode::conflict);
     }
     EXPECT_EQ(job(id).state, JobState::running);
     EXPECT_EQ(frame(id).passesQueued + frame(id).passesLeased, frame(id).levelsCreated * 6u);

@@ -14,6 +14,8 @@ TEST(WorkerRoster, KnowsWhoIsOnline) {
     WorkerRoster roster(kOnline, {});
     roster.seen(hello("a"), kNow);
     roster.seen(hello("b"), kNow + kOnline / 2);
+    EXPECT_FALSE(roster.onlineElsewhere({"host"}, kNow));
+    EXPECT_TRUE(roster.onlineElsewhere({"another"}, kNow));
     EXPECT_EQ(roster.online(kNow + kOnline / 2), 2u);
     EXPECT_EQ(roster.online(kNow + kOnline), 1u);
     EXPECT_EQ(roster.list(kNow + kOnline)[0].state, WorkerState::offline);

@@ -24,6 +24,7 @@ const std::map<std::string, const char*> kMayScan{
     {"SELECT min(queued_at) FROM passes INDEXED BY passes_queued", "metrics; of created levels alone"},
     {"SELECT * FROM passes INDEXED BY passes_leased", "every minute; holds the passes on loan and no others"},
     {"SELECT * FROM leases WHERE state = 'open'", "holds the leases asked for and no others"},
+    {"SELECT * FROM leases INDEXED BY leases_lost", "at start; holds the leases asked for and no others"},
     {"SELECT seq FROM sqlite_sequence", "a row per table"},
     {"SELECT coalesce(max(seq), 0) FROM sqlite_sequence", "a row per table"},
     {"SELECT * FROM workers ORDER BY worker", "all are wanted"},
@@ -141,6 +142,12 @@ private:
         leases.addFailure({job_, 0, 0, 0, "w", "message", 1});
         leases.failures(job_, 0, 0, 0);
         leases.jobsOnlyThisWorkerFailed("w");
+        leases.lost();
+        leases.setLoss(1, Loss::counted);
+        leases.addDeaths(*leases.find("l"), 1);
+        leases.addDeaths({.id = {}, .worker = {}, .job = job_, .passes = {{0, {0, 1}}}}, 1);
+        leases.deadly(job_, 3);
+        leases.forgetDeaths(job_);
     }
     void callWorkers(WorkerTable& workers) {
         workers.list();

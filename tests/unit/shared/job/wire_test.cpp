@@ -316,8 +316,12 @@ TEST(JobOverTime, MembersThatContradictEachOtherAreFaults) {
 }
 
 TEST(WorkerHello, SurvivesTheWireAndIgnoresNews) {
-    const WorkerHello hello{"w-1", "render3", "llvmpipe", "Mesa 25.0", "0.1.0"};
+    const WorkerHello hello{"w-1", "render3", "llvmpipe", "Mesa 25.0", "0.1.0", "s2", {"s0", "s1"}};
     json written = toJson(hello);
+    written["ended"][1] = 7;
+    EXPECT_THAT(errorOf([&] { helloFromJson(written); }).faults,
+                ElementsAre(Fault{"/ended/1", "must be a string, not 7"}));
+    written["ended"][1] = "s1";
     written["wantSeconds"] = 5;
     EXPECT_EQ(helloFromJson(written), hello);
     written.erase("worker");

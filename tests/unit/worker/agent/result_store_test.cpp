@@ -43,6 +43,24 @@ TEST(ResultStore, LeavesNothingBehindOnceAllIsUploaded) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(ResultStore, TellsProcessesThatWereKilledFromThoseThatEnded) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "killed");  // what one leaves: its lock is nobody's any more
+    for (const char* file : {"killed/lock", "killed/at-work"}) std::ofstream(folder / file).flush();
+    {
+        ResultStore ended(folder.path(), "http://farm:1");
+        ended.save(sample("a"));  // could not be uploaded before it ended
+    }
+    const ResultStore running(folder.path(), "http://farm:1");
+    ResultStore store(folder.path(), "http://farm:1");
+    EXPECT_NE(store.session(), running.session());
+    EXPECT_EQ(store.adopt().size(), 1u);
+    EXPECT_THAT(store.crashed(), testing::ElementsAre("killed"));
+    ResultStore later(folder.path(), "http://farm:1");
+    later.adopt();
+    EXPECT_THAT(later.crashed(), testing::IsEmpty());  // told once
+}
+
 TEST(ResultStore, TakesOverWhatAnEndedProcessLeftForTheSameServer) {
     const TemporaryFolder folder;
     {
