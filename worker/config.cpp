@@ -82,7 +82,8 @@ void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
                    "a picture of all directions: .hdr, .exr, .png or .jpg");
     addPictureOptions(app, config.render.spec);
     app.add_option("--frame,--frames", words.frames,
-                   "a frame, or a range like 1-48; then ### in a file's name is the frame's number")
+                   "frames and ranges: 7, 1-48, 1-100x10 (every tenth), 1,5,9; of several, ### in a file's "
+                   "name is the frame's number")
         ->capture_default_str();
     app.add_option("--exposure", config.render.tone.exposure, "stops, for the PNG")->capture_default_str();
     app.add_option("--tone", words.tone, "linear, aces or pbrNeutral, for the PNG")->capture_default_str();

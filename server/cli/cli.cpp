@@ -69,7 +69,10 @@ PictureOptions pictureFor(const Arguments& arguments) {
 
 std::optional<int32_t> frameOf(const Arguments& arguments) {
     if (arguments.frame.empty()) return std::nullopt;
-    return framesFrom(arguments.frame).first;
+    const FrameSet frame = framesFrom(arguments.frame);
+    if (frame.count != 1)
+        throw Error(ErrorCode::invalidArgument, "--frame takes one frame; --frames takes several");
+    return frame.first;
 }
 
 void addTone(CLI::App& command, Arguments& a) {
@@ -198,8 +201,9 @@ private:
             }));
         c.add_option("id", a_.job, "the job")->required();
         CLI::Option* frame = c.add_option("--frame", a_.frame, "number of the frame; else the first");
-        c.add_option("--frames", a_.frames,
-                     "several: all, or a range like 1-48; ### in the file's name is the number")
+        c.add_option(
+             "--frames", a_.frames,
+             "several: all, 1-48, 1-100x10 (every tenth), 1,5,9; ### in the file's name is the number")
             ->excludes(frame);
         c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png, or a .zip of EXRs")
             ->required();

@@ -47,11 +47,14 @@ int download(FarmClient& farm, const std::string& id, std::optional<int32_t> fra
 
 // ---- frames.cpp
 
-/// The pictures of several frames, "all" or a range: numbered files, or a .zip of EXRs. PNGs look as `like`
-/// says.
+/// Those of a job's spec.
+FrameSet framesOf(const nlohmann::json& spec);
+/// The pictures of several frames, "all" or as framesFrom reads them: numbered files, or a .zip of EXRs. PNGs
+/// look as `like` says.
 int downloadFrames(FarmClient& farm, const std::string& id, const std::string& which,
                    const std::filesystem::path& output, const PictureOptions& like, const Console& console);
-/// All frames as a movie, by ffmpeg; what kind, the file's suffix says. `fps` 0: the job's own.
+/// All frames as a movie, from the lowest number on, by ffmpeg; what kind, the file's suffix says. `fps` 0:
+/// the job's own.
 int makeMovie(FarmClient& farm, const std::string& id, const std::filesystem::path& output, double fps,
               const PictureOptions& like, const Console& console);
 

@@ -13,7 +13,7 @@
 
 #include "server/cli/commands.h"
 #include "shared/error/error.h"
-#include "shared/job/job_options.h"
+#include "shared/job/frames.h"
 #include "shared/job/safe_path.h"
 
 extern char** environ;
@@ -48,15 +48,6 @@ private:
 
 nlohmann::json specOf(FarmClient& farm, const std::string& id) {
     return farm.job(id).at("spec");
-}
-
-FrameRange framesOf(const nlohmann::json& spec) {
-    const nlohmann::json& frames = spec.at("frames");
-    return {frames.at("first").get<int32_t>(), frames.at("count").get<uint32_t>()};
-}
-
-int32_t frameAt(const FrameRange& frames, uint32_t i) {
-    return frames.first + static_cast<int32_t>(i);
 }
 
 [[noreturn]] void failZip(const fs::path& file, const char* why) {
@@ -106,14 +97,20 @@ int run(std::vector<std::string> words) {
 
 }  // namespace
 
+FrameSet framesOf(const nlohmann::json& spec) {
+    const nlohmann::json& frames = spec.at("frames");
+    return {frames.at("first").get<int32_t>(), frames.at("count").get<uint32_t>(), frames.value("step", 1u),
+            frames.value("list", "")};
+}
+
 int downloadFrames(FarmClient& farm, const std::string& id, const std::string& which, const fs::path& output,
                    const PictureOptions& like, const Console& console) {
-    const FrameRange frames = which == "all" ? framesOf(specOf(farm, id)) : framesFrom(which);
+    const std::vector<int32_t> frames =
+        sortedFrameNumbers(which == "all" ? framesOf(specOf(farm, id)) : framesFrom(which));
     const bool zip = hasSuffix(output.string(), ".zip");
     const WorkFolder folder;
     std::vector<fs::path> members;
-    for (uint32_t i = 0; i < frames.count; ++i) {
-        const int32_t frame = frameAt(frames, i);
+    for (const int32_t frame : frames) {
         const fs::path file = zip ? folder / numbered("frame.exr", frame).string() : numbered(output, frame);
         const bool exr = hasSuffix(file.string(), ".exr");
         downloadFrame(farm, id, frame, {exr ? file : "", exr ? "" : file, like.tone, like.denoised}, console);
@@ -121,18 +118,18 @@ int downloadFrames(FarmClient& farm, const std::string& id, const std::string& w
     }
     if (!zip) return kDone;
     writeZip(output, members);
-    console.err << fmt::format("wrote {}: {} frames\n", output.string(), frames.count);
+    console.err << fmt::format("wrote {}: {} frames\n", output.string(), frames.size());
     return kDone;
 }
 
 int makeMovie(FarmClient& farm, const std::string& id, const fs::path& output, double fps,
               const PictureOptions& like, const Console& console) {
     const nlohmann::json spec = specOf(farm, id);
-    const FrameRange frames = framesOf(spec);
+    const std::vector<int32_t> frames = sortedFrameNumbers(framesOf(spec));
     if (fps <= 0) fps = spec.at("motion").at("fps").get<double>();
     const WorkFolder folder;
-    for (uint32_t i = 0; i < frames.count; ++i)
-        downloadFrame(farm, id, frameAt(frames, i),
+    for (size_t i = 0; i < frames.size(); ++i)
+        downloadFrame(farm, id, frames[i],
                       {{}, folder / fmt::format("{:06}.png", i), like.tone, like.denoised}, console);
     // Players want even sizes and 4:2:0; the last row or column is repeated for that.
     const int code = run({"ffmpeg", "-v", "error", "-nostdin", "-y", "-framerate", fmt::format("{}", fps),
@@ -141,7 +138,7 @@ int makeMovie(FarmClient& farm, const std::string& id, const fs::path& output, d
     if (code != 0)
         throw Error(ErrorCode::internal,
                     fmt::format("ffmpeg ended with {} and made no {}", code, output.string()));
-    console.err << fmt::format("wrote {}: {} frames at {} a second\n", output.string(), frames.count, fps);
+    console.err << fmt::format("wrote {}: {} frames at {} a second\n", output.string(), frames.size(), fps);
     return kDone;
 }
 

@@ -61,20 +61,22 @@ json allJobs(FarmClient& farm, const std::string& state) {
     }
 }
 
-std::string frameRange(const json& frames) {
-    const int64_t first = frames.at("first"), last = first + frames.at("count").get<int64_t>() - 1;
-    return first == last ? fmt::format("frame {}", first) : fmt::format("frames {} to {}", first, last);
+std::string frameWords(const FrameSet& frames) {
+    if (frames.count == 1) return fmt::format("frame {}", frames.first);
+    if (!frames.list.empty() || frames.step != 1)
+        return fmt::format("{} frames: {}", frames.count, textOf(frames));
+    return fmt::format("frames {} to {}", frames.first, frames.first + int64_t{frames.count} - 1);
 }
 
 void printJob(const json& view, std::ostream& out) {
     const json& spec = view.at("spec");
-    const json &image = spec.at("image"), &frames = spec.at("frames");
+    const json& image = spec.at("image");
     out << fmt::format("job {}  {}  {}\n", cell(view, "id"), cell(view, "state"),
                        printable(cell(spec, "name")));
     out << fmt::format("  scene           {}, camera {}\n", printable(cell(spec.at("scene"), "entry")),
                        printable(cell(spec, "camera")));
     out << fmt::format("  image           {} x {}, {} samples, {}\n", cell(image, "width"),
-                       cell(image, "height"), cell(spec.at("stop"), "samples"), frameRange(frames));
+                       cell(image, "height"), cell(spec.at("stop"), "samples"), frameWords(framesOf(spec)));
     out << fmt::format("  progress        {}, {} samples of the current frame\n", percent(view),
                        cell(view, "samplesMerged"));
     out << fmt::format("  relative error  {}\n", cell(view, "relativeError"));

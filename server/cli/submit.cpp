@@ -104,8 +104,7 @@ int submit(FarmClient& farm, const SubmitOptions& options, const Console& consol
     if (!options.wait && wanted.exr.empty() && wanted.png.empty()) return kDone;
 
     if (const int code = waitForJob(farm, id, console); code != kDone) return code;
-    for (uint32_t i = 0; i < spec.frames.count; ++i) {
-        const int32_t frame = spec.frames.first + static_cast<int32_t>(i);
+    for (const int32_t frame : frameNumbers(spec.frames)) {
         PictureOptions pictures = wanted;
         if (spec.frames.count > 1) {
             if (!wanted.exr.empty()) pictures.exr = numbered(wanted.exr, frame);

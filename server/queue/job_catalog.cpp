@@ -15,11 +15,12 @@ JobInfo::JobInfo(JobKey k, std::string i, JobSpec s)
       id(std::move(i)),
       spec(std::move(s)),
       grid(spec.image),
-      schedule(passSchedule(spec.stop.samples)) {}
+      schedule(passSchedule(spec.stop.samples)),
+      frames(frameNumbers(spec.frames)),
+      sortedFrames_(sortedFrameNumbers(spec.frames)) {}
 
 bool JobInfo::hasFrame(int32_t frame) const {
-    const int64_t index = int64_t{frame} - spec.frames.first;
-    return index >= 0 && index < spec.frames.count;
+    return std::binary_search(sortedFrames_.begin(), sortedFrames_.end(), frame);
 }
 
 const SampleRange* JobInfo::level(uint32_t first) const {

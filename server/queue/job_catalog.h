@@ -18,16 +18,21 @@ struct JobInfo {
     JobSpec spec;
     TileGrid grid;
     std::vector<SampleRange> schedule;
+    std::vector<int32_t> frames;  // their numbers, in the order in which they are rendered
 
     JobInfo(JobKey key, std::string id, JobSpec spec);
     uint64_t passesPerFrame() const { return uint64_t{grid.count()} * schedule.size(); }
     uint64_t passes() const { return passesPerFrame() * spec.frames.count; }
-    int32_t frame(uint32_t index) const { return spec.frames.first + static_cast<int32_t>(index); }
+    /// The index-th to be rendered.
+    int32_t frame(uint32_t index) const { return frames[index]; }
     bool hasFrame(int32_t frame) const;
     /// The pass of the schedule that starts at this sample, or nullptr.
     const SampleRange* level(uint32_t first) const;
     /// The pass of the schedule that ends at this sample, or nullptr.
     const SampleRange* levelEnding(uint32_t end) const;
+
+private:
+    std::vector<int32_t> sortedFrames_;
 };
 
 /// Keeps the parsed form of the jobs in use. Any thread may call.

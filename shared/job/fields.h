@@ -27,9 +27,13 @@ void describe(Visitor& v, Is<SceneBundle> auto& scene) {
 }
 
 template <typename Visitor>
-void describe(Visitor& v, Is<FrameRange> auto& frames) {
+void describe(Visitor& v, Is<FrameSet> auto& frames) {
     v.integer({"first", "number of the first frame"}, frames.first, kAnyInt32);
-    v.integer({"count", "how many frames"}, frames.count, {1, 100000});
+    v.integer({"count", "how many frames"}, frames.count, {1, kMostFrames});
+    v.integer({"step", "from one frame to the next"}, frames.step, {1, 1 << 30});
+    v.text({"list",
+            "frames and ranges instead, like 1,5,9 or 1-100x10,205; first and count then follow from it"},
+           frames.list, {0, 100000});
 }
 
 template <typename Visitor>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/job/appearance.h"
+#include "shared/job/frames.h"
 #include "shared/job/lighting.h"
 #include "shared/job/medium.h"
 #include "shared/job/output.h"
@@ -26,12 +27,6 @@ struct ImageSpec {
     uint32_t height = 360;    // pixels
     uint32_t tileSize = 128;  // pixels, 8 … 1024, a multiple of 8; never changes the pixels' bits
     friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
-};
-
-struct FrameRange {
-    int32_t first = 0;
-    uint32_t count = 1;
-    friend bool operator==(const FrameRange&, const FrameRange&) = default;
 };
 
 /// Which light a surface point asks.
@@ -86,7 +81,7 @@ struct JobSpec {
     SceneBundle scene;
     std::string camera =
         "auto";  // a camera or its node by name; "auto": the scene's first, else one that frames the scene
-    FrameRange frames;
+    FrameSet frames;
     ImageSpec image;
     RenderSettings settings;
     EnvironmentSettings environment;

@@ -5,8 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <regex>
 
 #include "shared/file/durable_file.h"
 #include "shared/job/fields.h"
@@ -136,7 +134,7 @@ public:
     void object(Member, OutputSettings& value) { within("output-", value); }
     // The command line says these its own way.
     void object(Member, SceneBundle&) {}
-    void object(Member, FrameRange&) {}
+    void object(Member, FrameSet&) {}
 
 private:
     std::string nameOf(const Member& m) const { return "--" + prefix_ + optionName(m.name).substr(2); }
@@ -163,19 +161,6 @@ std::string optionName(std::string_view member) {
     return name;
 }
 
-FrameRange framesFrom(const std::string& text) {
-    static const std::regex form("(-?[0-9]{1,10})(?:-(-?[0-9]{1,10}))?");
-    std::smatch parts;
-    if (!std::regex_match(text, parts, form))
-        throw Error(ErrorCode::invalidArgument,
-                    fmt::format("--frames '{}' must be a frame or a range like 1-240", text));
-    const int64_t first = std::stoll(parts[1]), last = parts[2].matched ? std::stoll(parts[2]) : first;
-    if (last < first || last - first >= 100000 || first < INT32_MIN || last > INT32_MAX)
-        throw Error(ErrorCode::invalidArgument,
-                    fmt::format("--frames '{}' must hold 1 to 100000 frames", text));
-    return {static_cast<int32_t>(first), static_cast<uint32_t>(last - first + 1)};
-}
-
 void addPictureOptions(CLI::App& app, JobSpec& spec) {
     OptionMaker maker(app, false);
     describe(maker, spec);
@@ -193,7 +178,7 @@ void addJobOptions(CLI::App& app, JobSpec& spec) {
                 throw CLI::ValidationError(e.what());
             }
         },
-        "a frame, or a range like 1-240");
+        "frames and ranges: 7, 1-240, 1-100x10 (every tenth), 1,5,9");
 }
 
 }  // namespace tilefarm

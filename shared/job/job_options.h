@@ -18,9 +18,6 @@ void addPictureOptions(CLI::App& app, JobSpec& spec);
 /// The same, and what only a farm asks for: --name, --priority, --frames.
 void addJobOptions(CLI::App& app, JobSpec& spec);
 
-/// "7" or "1-240", either end with a sign. Throws Error(invalidArgument) that says what it should be.
-FrameRange framesFrom(const std::string& text);
-
 /// maxBounces -> --max-bounces
 std::string optionName(std::string_view member);
 

@@ -24,8 +24,9 @@ void checkScenePath(const SceneBundle& scene, const std::string& path, const std
         faults.add(pointer, "names '" + path + "', which is not among /scene/files");
 }
 
-void checkFrames(const FrameRange& frames, Faults& faults) {
-    const int64_t last = int64_t{frames.first} + frames.count - 1;
+void checkFrames(const FrameSet& frames, Faults& faults) {
+    if (!frames.list.empty()) return;
+    const int64_t last = frames.first + (int64_t{frames.count} - 1) * frames.step;
     if (!faults.at("/frames") && last > std::numeric_limits<int32_t>::max())
         faults.add("/frames/count", fmt::format("makes the last frame {}, above {}", last,
                                                 std::numeric_limits<int32_t>::max()));
@@ -133,6 +134,26 @@ void checkOutput(const JobSpec& job, Faults& faults) {
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
     if (material.clearcoatGloss && material.clearcoatRoughness && !faults.at(pointer))
         faults.add(pointer + "/clearcoatGloss", "cannot go with clearcoatRoughness: a coat has one of them");
+}
+
+void settleFrames(FrameSet& frames, Faults& faults) {
+    if (frames.list.empty() || faults.at("/frames")) return;
+    FrameSet listed;
+    try {
+        listed = framesFrom(frames.list);
+    } catch (const Error& error) {
+        return faults.add("/frames/list", error.what());
+    }
+    const auto check = [&](const char* member, int64_t given, int64_t usual, int64_t follows) {
+        if (given != usual && given != follows)
+            faults.add(std::string("/frames/") + member,
+                       fmt::format("is {}, but {} follows from the list", given, follows));
+    };
+    const FrameSet usual;
+    check("first", frames.first, usual.first, listed.first);
+    check("count", frames.count, usual.count, listed.count);
+    check("step", frames.step, usual.step, listed.step);
+    frames = listed;
 }
 
 void checkJob(const JobSpec& job, Faults& faults) {

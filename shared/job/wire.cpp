@@ -17,7 +17,10 @@ T readAll(const json& source, const char* what, JsonReader::Unknown unknown = Js
     Faults faults;
     T value;
     JsonReader::read(source, "", faults, value, unknown);
-    if constexpr (std::same_as<T, JobSpec>) checkJob(value, faults);
+    if constexpr (std::same_as<T, JobSpec>) {
+        settleFrames(value.frames, faults);
+        checkJob(value, faults);
+    }
     faults.throwIfAny(ErrorCode::invalidArgument, what);
     return value;
 }

@@ -16,7 +16,8 @@ nlohmann::json parseJson(std::string_view text);
 
 /// Job JSON -> JobSpec, or Error(invalidArgument) whose `faults` lists every fault with its JSON
 /// pointer: wrong types, unknown members, values out of range, unsafe paths, missing files.
-/// Members that may be left out take the defaults of JobSpec.
+/// Members that may be left out take the defaults of JobSpec. Frames that a list names have the first and the
+/// count that follow from it.
 JobSpec jobFromJson(const nlohmann::json& json);
 /// Canonical: every member, also those at their default.
 nlohmann::json toJson(const JobSpec& spec);

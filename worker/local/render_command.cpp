@@ -113,7 +113,7 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
     const fs::path exr = fileFor(render.exr, spec, number), png = fileFor(render.png, spec, number),
                    report = fileFor(render.report, spec, number);
     if (spec.frames.count > 1) fmt::print(progress, "frame {}\n", number);
-    spec.frames = {number, 1};
+    spec.frames = {.first = number};
     ProgressLine line(progress);
     const RenderedFrame frame =
         renderFrame(device, spec, number, clock, [&](const FrameProgress& p) { line.show(p); });
@@ -156,8 +156,8 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
         fmt::print(progress, "warning: {}: {}: {}\n", w.where, w.feature, w.instead);
     if (const auto& at = render.pixel)
         return showSample(*at, device->trace(spec.frames.first, at->x, at->y, at->sample), samples);
-    for (uint32_t i = 0; i < spec.frames.count; ++i)
-        renderOne(render, spec, spec.frames.first + static_cast<int32_t>(i), *device, scene, clock, progress);
+    for (const int32_t frame : frameNumbers(spec.frames))
+        renderOne(render, spec, frame, *device, scene, clock, progress);
 }
 
 }  // namespace tilefarm

@@ -172,5 +172,27 @@ TEST_F(ApiTest, ListsFramesThatHaveNotBegunAsQueued) {
     EXPECT_EQ(get(path + "/x")->status, 404);
 }
 
+TEST_F(ApiTest, RendersTheFramesOfAListInItsOrder) {
+    json body = toJson(spec());
+    body["frames"] = {{"list", "9,1-5x2"}};
+    const json made = parsed(post("/v1/jobs", body));
+    EXPECT_EQ(made["spec"]["frames"], json({{"first", 9}, {"count", 4}, {"step", 1}, {"list", "9,1-5x2"}}));
+    const std::string job = "/v1/jobs/" + made["id"].get<std::string>(), path = job + "/frames";
+    std::vector<int32_t> rendered;
+    while (parsed(get(job))["state"] != "completed") {
+        const auto answer = askForWork();
+        ASSERT_EQ(answer->status, 201);
+        const Lease lease = leaseFromJson(parsed(answer));
+        if (rendered.empty() || lease.frame != rendered.back()) rendered.push_back(lease.frame);
+        ASSERT_EQ(upload(lease)->status, 200);
+        farm.images->finishFrames();
+    }
+    EXPECT_EQ(rendered, (std::vector<int32_t>{9, 1, 3, 5}));
+    EXPECT_EQ(parsed(get(job))["framesDone"], 4);
+    EXPECT_EQ(parsed(get(path)).at("frames").size(), 4u);
+    EXPECT_EQ(get(path + "/9/image.exr")->status, 200);
+    EXPECT_EQ(get(path + "/2")->status, 404);
+}
+
 }  // namespace
 }  // namespace tilefarm

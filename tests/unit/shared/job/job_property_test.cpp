@@ -81,6 +81,12 @@ public:
     void object(Member, T& out) {
         describe(*this, out);
     }
+    // A list of frames is a language of its own, and decides the other members.
+    void object(Member, FrameSet& out) {
+        static const char* texts[] = {"7", "-3-12", "1-100x10", "1,5,9",
+                                      "4-1000000x25,-2147483648,2147483647"};
+        if (change()) out = framesFrom(texts[below(std::size(texts))]);
+    }
     template <typename T>
     void list(Member, std::vector<T>& out, CountRange count) {
         if (!change()) return;

@@ -106,7 +106,7 @@ TEST(WorkerConfig, ReadsEveryOptionOfARender) {
     EXPECT_EQ(render.spec.stop.samples, 9u);
     EXPECT_EQ(render.spec.settings, (RenderSettings{5, 3, 2}));
     EXPECT_EQ(render.spec.camera, "Left");
-    EXPECT_EQ(render.spec.frames, (FrameRange{-2, 1}));
+    EXPECT_EQ(render.spec.frames, (FrameSet{-2, 1}));
     EXPECT_EQ(render.tone.curve, ToneCurve::aces);
     EXPECT_EQ(render.tone.exposure, -1.5f);
     EXPECT_EQ(device.index, 1u);

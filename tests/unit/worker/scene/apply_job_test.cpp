@@ -139,7 +139,8 @@ TEST(JobEnvironment, MayBeConstantOrNone) {
     const Scene dark = applied(none);
     EXPECT_FALSE(dark.hasEnvironment()) << "dark because the job says so";
     EXPECT_TRUE(dark.warnings.empty());
-    EXPECT_TRUE(applied(JobSpec{}).hasEnvironment());
+    const JobSpec usual;
+    EXPECT_TRUE(applied(usual).hasEnvironment());
 }
 
 struct JobSceneTest : testing::Test {
