@@ -121,6 +121,11 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
              settings.sampler, kSamplerChoices);
     v.integer({"strata", "per side of the stratified sampler's grids; best with strata² samples"},
               settings.strata, {1, 4096});
+    v.choice(
+        {"lightUnits",
+         "of the file's KHR_lights_punctual: W/sr and W/m² (radiometric), or candela and lux, divided by "
+         "683 lm/W (photometric)"},
+        settings.lightUnits, kLightUnitsChoices);
 }
 
 template <typename Visitor>

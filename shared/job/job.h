@@ -68,6 +68,7 @@ struct RenderSettings {
     bool jitter = true;       // else every sample goes through its pixel's centre
     Sampler sampler = Sampler::random;
     uint32_t strata = 8;  // per side of the stratified sampler's grids
+    LightUnits lightUnits = LightUnits::radiometric;
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 

@@ -41,6 +41,12 @@ struct EnvironmentSettings {
 
 enum class LightKind : uint8_t { point, spot, directional, quad, sphere };
 
+/// What the numbers of a file's KHR_lights_punctual are.
+enum class LightUnits : uint8_t {
+    radiometric,  // W/sr and W/m², as the lights of a job
+    photometric,  // candela and lux: divided by 683 lm/W
+};
+
 /// A light that a job adds to its scene.
 struct LightSettings {
     std::string name;

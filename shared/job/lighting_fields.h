@@ -19,6 +19,10 @@ inline constexpr std::array kLightKindChoices{
     Choice<LightKind>{"quad", LightKind::quad},     Choice<LightKind>{"directional", LightKind::directional},
     Choice<LightKind>{"sphere", LightKind::sphere},
 };
+inline constexpr std::array kLightUnitsChoices{
+    Choice<LightUnits>{"radiometric", LightUnits::radiometric},
+    Choice<LightUnits>{"photometric", LightUnits::photometric},
+};
 inline constexpr NumberRange kTurn{-360, 360};        // degrees
 inline constexpr NumberRange kCoordinate{-1e9, 1e9};  // m
 inline constexpr NumberRange kSize{1e-6, 1e9};        // m

@@ -109,6 +109,7 @@ GltfOptions gltfOptionsOf(const JobSpec& job) {
             .loop = job.motion.loop,
             .microfacets = job.settings.microfacets,
             .fresnel = job.settings.fresnel,
+            .lightUnits = job.settings.lightUnits,
             .materials = job.materials};
 }
 

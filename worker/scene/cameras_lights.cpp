@@ -74,11 +74,11 @@ void parseCone(const JsonNode& spot, PunctualLight& light) {
     light.outerCone = static_cast<float>(std::min(outer, quarter));
 }
 
-PunctualLight parseLight(const JsonNode& node) {
+PunctualLight parseLight(const JsonNode& node, double unit) {
     PunctualLight light;
     light.name = node["name"].textOr("");
     light.type = parseType(node["type"]);
-    const double intensity = node["intensity"].numberOr(1);
+    const double intensity = node["intensity"].numberOr(1) * unit;
     glm::dvec3 color(1);
     if (const JsonNode given = node["color"]) {
         const std::vector<double> v = given.numbers(3);
@@ -125,7 +125,7 @@ std::vector<GltfLight> parseLights(LoadContext& load) {
     std::vector<GltfLight> lights;
     for (size_t i = 0; i < nodes.size(); ++i) {
         GltfLight& light = lights.emplace_back();
-        light.punctual = parseLight(nodes[i]);
+        light.punctual = parseLight(nodes[i], load.lightUnit);
         light.area = readVendorLight(nodes[i]["extensions"]["TILEFARM_lights"], light.punctual);
         warnOfNotRendered(load, nodes[i]);
         if (light.area) {

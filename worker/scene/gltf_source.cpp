@@ -38,8 +38,12 @@ void warnOfScenes(LoadContext& load) {
     }
 }
 
-LoadContext& checked(LoadContext& load, const std::string& variant) {
-    load.variant = findVariant(load.file.root(), variant);
+// Of light whose lumens are known and its spectrum is not: lm/W at 555 nm, as Blender's importer divides by.
+constexpr double kLumensPerWatt = 683;
+
+LoadContext& checked(LoadContext& load, const GltfOptions& options) {
+    load.variant = findVariant(load.file.root(), options.variant);
+    if (options.lightUnits == LightUnits::photometric) load.lightUnit = 1 / kLumensPerWatt;
     checkExtensions(load);
     warnOfScenes(load);
     return load;
@@ -55,7 +59,7 @@ struct GltfSource::Impl {
           views(file),
           accessors(file.root(), views),
           load{file, views, accessors, scene},
-          textures(checked(load, options.variant)),
+          textures(checked(load, options)),
           animations(load, options.animation, options.loop),
           skins(parseSkins(load)) {
         scene.materials = parseMaterials(load, textures, options);

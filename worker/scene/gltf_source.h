@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/job/lighting.h"
 #include "worker/scene/scene.h"
 
 namespace tilefarm {
@@ -15,6 +16,7 @@ struct GltfOptions {
     bool loop = false;              // each animation starts again at its end, else it stays there
     Microfacets microfacets = Microfacets::ggx;    // of materials that do not say theirs
     Fresnel fresnel = Fresnel::exact;              // likewise
+    LightUnits lightUnits = LightUnits::radiometric;  // of KHR_lights_punctual
     std::vector<MaterialOverride> materials = {};  // laid over those of the file, also over animated ones
 };
 

@@ -13,6 +13,7 @@ struct LoadContext {
     Accessors& accessors;
     Scene& scene;
     uint32_t variant = kNone;  // of KHR_materials_variants
+    double lightUnit = 1;      // W/sr or W/m² of an intensity of 1 in KHR_lights_punctual
 
     /// Notes what is rendered otherwise, once for each feature and place.
     void warn(const std::string& feature, const JsonNode& where, const std::string& instead);

@@ -119,6 +119,7 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"frames": {"list": "1,x"}})", "/frames/list"},
         {R"({"frames": {"list": "1,5,9", "count": 4}})", "/frames/count"},
         {R"({"frames": {"list": "1,5,9", "first": 2}})", "/frames/first"},
+        {R"({"settings": {"lightUnits": "lumen"}})", "/settings/lightUnits"},
         {R"({"priority": 101})", "/priority"},
         {R"({"priority": true})", "/priority"},
         {R"({"settings": {"seed": -1}})", "/settings/seed"},

@@ -9,6 +9,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/gltf_builder.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/scene/gltf_source.h"
 #include "worker/scene/load.h"
 
 namespace tilefarm {
@@ -173,6 +174,27 @@ TEST_F(NodesTest, PlacesLights) {
     EXPECT_EQ(scene.lights[1].name, "Sun");
     builder.set("/extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle", "0.7");
     EXPECT_THAT(fault(), HasSubstr("/extensions/KHR_lights_punctual/lights/0/spot: its cones"));
+}
+
+TEST_F(NodesTest, DividesLightsInLumensByWhatAWattHas) {
+    builder.set("/extensionsUsed", R"(["KHR_lights_punctual", "TILEFARM_lights"])");
+    builder.set("/extensions/KHR_lights_punctual/lights", R"([
+        {"type": "point", "intensity": 683, "color": [1, 0.5, 0]}, {"type": "directional", "intensity": 1366},
+        {"type": "point", "intensity": 683, "extensions": {"TILEFARM_lights": {"width": 2, "height": 0.5}}}])");
+    for (uint32_t i = 0; i < 3; ++i) {
+        builder.set(fmt::format("/nodes/{}/extensions/KHR_lights_punctual/light", i + 1), i);
+        builder.set(fmt::format("/scenes/0/nodes/{}", i + 1), i + 1);
+    }
+    GltfOptions options;
+    options.lightUnits = LightUnits::photometric;
+    const Scene scene = GltfSource(builder.writeGltf(folder.path()), options).take();
+    ASSERT_EQ(scene.lights.size(), 2u);
+    ASSERT_EQ(scene.areaLights.size(), 1u);
+    EXPECT_NEAR(scene.lights[0].color.x, 1, 1e-6);
+    EXPECT_NEAR(scene.lights[0].color.y, 0.5, 1e-6);
+    EXPECT_NEAR(scene.lights[1].color.x, 2, 1e-6);
+    EXPECT_NEAR(scene.areaLights[0].radiance.x, 1, 1e-6) << "as strong as the light that it was";
+    EXPECT_EQ(load().lights[0].color.x, 683);
 }
 
 TEST_F(NodesTest, InstancesAMeshOnTheGpusBehalf) {
