@@ -7,6 +7,7 @@
 #include "server/report/job_report.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
+#include "shared/gltf/picture_size.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -42,6 +43,16 @@ void requireModestTiles(const ImageSpec& image) {
                 {{"/image/tileSize", "a row of tiles would need more memory than the server gives it"}});
 }
 
+// A picture without a size takes the aspect of its camera.
+JobSpec sized(const Services& s, JobSpec spec) {
+    const std::string& sha256 = spec.scene.files.at(spec.scene.entry);
+    const GltfBytes gltf{s.blobs.size(sha256).value_or(0), [&](uint64_t offset, std::span<std::byte> into) {
+                             s.blobs.read(sha256, offset, into);
+                         }};
+    spec.image = pictureSize(gltf, spec);
+    return jobFromJson(toJson(spec));  // the rules between members, now that its size is known
+}
+
 HttpResponse viewOf(Services& s, const std::string& id, int status) {
     HttpResponse response;
     s.store.read([&](const ConstTables& t) {
@@ -58,9 +69,10 @@ JobKey keyFromCursor(const HttpRequest& r) {
 
 HttpResponse postJob(Services& s, HttpRequest& r) {
     const std::string body = r.body(s.config.mostJsonBytes);
-    const JobSpec spec = jobFromJson(parseJson(body));
-    requireModestTiles(spec.image);
+    JobSpec spec = jobFromJson(parseJson(body));
     requireBlobs(s, spec);
+    if (spec.image.width == 0 || spec.image.height == 0) spec = sized(s, std::move(spec));
+    requireModestTiles(spec.image);
     if (const auto validate = r.queried("validate")) {
         if (*validate != "only") {
             throw Error(ErrorCode::invalidArgument, "query parameter 'validate' may only be 'only'",

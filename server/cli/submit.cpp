@@ -7,6 +7,8 @@
 #include "server/cli/progress.h"
 #include "server/cli/scene_bundle.h"
 #include "shared/error/error.h"
+#include "shared/file/durable_file.h"
+#include "shared/gltf/picture_size.h"
 #include "shared/job/states.h"
 #include "shared/job/wire.h"
 
@@ -95,6 +97,8 @@ int submit(FarmClient& farm, const SubmitOptions& options, const Console& consol
     JobSpec spec = options.spec;
     spec.scene = scene.bundle;
     if (spec.name.empty()) spec.name = options.scene.stem().string();
+    const std::vector<std::byte> entry = readWhole(options.scene);
+    spec.image = pictureSize(bytesOfGltf(entry), spec);
     jobFromJson(toJson(spec));  // every fault now, before anything is sent
 
     uploadMissing(farm, scene, console);

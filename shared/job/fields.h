@@ -38,8 +38,10 @@ void describe(Visitor& v, Is<FrameSet> auto& frames) {
 
 template <typename Visitor>
 void describe(Visitor& v, Is<ImageSpec> auto& image) {
-    v.integer({"width", "pixels"}, image.width, {1, 32768});
-    v.integer({"height", "pixels"}, image.height, {1, 32768});
+    v.givenInteger(
+        {"width", "pixels; else from the height by the camera's aspect; with neither the longer side is 640"},
+        image.width, {1, 32768});
+    v.givenInteger({"height", "pixels; else from the width likewise"}, image.height, {1, 32768});
     v.integer({"tileSize", "pixels; never changes the picture"}, image.tileSize, {8, 1024, 8});
 }
 
@@ -121,6 +123,11 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
              settings.sampler, kSamplerChoices);
     v.integer({"strata", "per side of the stratified sampler's grids; best with strata² samples"},
               settings.strata, {1, 4096});
+    v.choice(
+        {"cameraFit",
+         "how the view of the file's camera lies in a picture of another aspect: by its height (vertical), "
+         "its width (horizontal), so that all of it is seen (fit) or nothing beyond it (fill)"},
+        settings.cameraFit, kCameraFitChoices);
     v.choice(
         {"lightUnits",
          "of the file's KHR_lights_punctual: W/sr and W/m² (radiometric), or candela and lux, divided by "

@@ -23,8 +23,8 @@ struct SceneBundle {
 };
 
 struct ImageSpec {
-    uint32_t width = 640;     // pixels
-    uint32_t height = 360;    // pixels
+    uint32_t width = 0;   // pixels; 0: open until pictureSize (shared/gltf) says it by the camera's aspect
+    uint32_t height = 0;  // pixels; likewise
     uint32_t tileSize = 128;  // pixels, 8 … 1024, a multiple of 8; never changes the pixels' bits
     friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
@@ -68,6 +68,7 @@ struct RenderSettings {
     bool jitter = true;       // else every sample goes through its pixel's centre
     Sampler sampler = Sampler::random;
     uint32_t strata = 8;  // per side of the stratified sampler's grids
+    CameraFit cameraFit = CameraFit::fit;
     LightUnits lightUnits = LightUnits::radiometric;
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };

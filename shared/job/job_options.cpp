@@ -60,6 +60,10 @@ public:
             ->check(CLI::Range(range.least, range.most));
     }
     template <typename T>
+    void givenInteger(Member m, T& value, IntegerRange range) {
+        app_.add_option(nameOf(m), value, std::string(m.meaning))->check(CLI::Range(range.least, range.most));
+    }
+    template <typename T>
     void number(Member m, T& value, NumberRange range) {
         app_.add_option(nameOf(m), value, std::string(m.meaning))
             ->capture_default_str()

@@ -121,6 +121,11 @@ public:
     void word(Member m, std::string& out, std::span<const std::string_view> words);
 
     // Members without a default, which may be left out.
+    /// 0 stands for one that is not given, and cannot be given.
+    template <std::integral T>
+    void givenInteger(Member m, T& out, IntegerRange range) {
+        integer(m, out, range);
+    }
     template <typename T>
     void number(Member m, std::optional<T>& out, NumberRange range) {
         ifGiven(m, out, [&](T& value) { number(m, value, range); });
@@ -225,6 +230,10 @@ public:
     }
 
     // Members without a default are written where they have a value.
+    template <std::integral T>
+    void givenInteger(Member m, const T& value, IntegerRange range) {
+        if (value != 0) integer(m, value, range);
+    }
     template <typename T>
     void number(Member m, const std::optional<T>& value, NumberRange range) {
         if (value) number(m, *value, range);
@@ -314,6 +323,10 @@ public:
     }
 
     // Members without a default.
+    template <std::integral T>
+    void givenInteger(Member m, const T&, IntegerRange r) {
+        property(m, {{"type", "integer"}, {"minimum", r.least}, {"maximum", r.most}});
+    }
     template <typename T>
     void number(Member m, const std::optional<T>&, NumberRange r) {
         property(m, ofNumber(r));

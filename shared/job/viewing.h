@@ -57,6 +57,15 @@ enum class Integrator : uint8_t {
     object,
 };
 
+/// How the view that a file's camera frames lies in a picture of another aspect. What does not fill it is the
+/// scene beyond the frame, never bars.
+enum class CameraFit : uint8_t {
+    vertical,    // the heights are one; the picture's aspect decides the width
+    horizontal,  // the widths are one
+    fit,         // whichever of the two shows the whole view
+    fill,        // whichever shows nothing beyond it
+};
+
 /// How samples are spread over a pixel; each keeps the mean of the picture that its filter defines.
 enum class PixelFilter : uint8_t { box, tent, gaussian, blackmanHarris };
 

@@ -47,6 +47,12 @@ inline constexpr std::array kRouletteChoices{
     Choice<RouletteRule>{"constant", RouletteRule::constant},
     Choice<RouletteRule>{"none", RouletteRule::none},
 };
+inline constexpr std::array kCameraFitChoices{
+    Choice<CameraFit>{"vertical", CameraFit::vertical},
+    Choice<CameraFit>{"horizontal", CameraFit::horizontal},
+    Choice<CameraFit>{"fit", CameraFit::fit},
+    Choice<CameraFit>{"fill", CameraFit::fill},
+};
 inline constexpr uint32_t kMostShutterSteps = 32;
 
 template <typename Visitor>

@@ -41,6 +41,8 @@ Lease leaseFromJson(const json& source) {
     Lease lease = readAll<Lease>(source, "the lease");
     // The job within a lease obeys the same rules as one that is submitted, paths above all.
     lease.spec = jobFromJson(source.at("spec"));
+    if (lease.spec.image.width == 0 || lease.spec.image.height == 0)
+        throw Error(ErrorCode::invalidArgument, "the lease: its image has no size");
     const uint32_t tiles = TileGrid(lease.spec.image).count();
     for (const LeasedPass& pass : lease.passes)
         if (pass.tile >= tiles)

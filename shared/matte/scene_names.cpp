@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "shared/error/error.h"
 #include "shared/film/layout.h"
+#include "shared/gltf/gltf_bytes.h"
 #include "shared/matte/cryptomatte.h"
 
 namespace tilefarm {
@@ -14,25 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint64_t kGlbHeader = 20;
-constexpr uint64_t kLongestJson = uint64_t{256} << 20;  // a scene of millions of nodes
 constexpr const char* kLights = "KHR_lights_punctual";
-
-std::string textOf(const GltfBytes& gltf) {
-    std::array<std::byte, kGlbHeader> head{};
-    gltf.read(0, std::span(head).first(std::min<uint64_t>(gltf.size, kGlbHeader)));
-    uint64_t offset = 0, length = gltf.size;
-    if (gltf.size >= kGlbHeader && std::memcmp(head.data(), "glTF", 4) == 0) {
-        uint32_t chunk;
-        std::memcpy(&chunk, &head[12], sizeof chunk);
-        offset = kGlbHeader;
-        length = std::min<uint64_t>(chunk, gltf.size - kGlbHeader);
-    }
-    if (length > kLongestJson) throw Error(ErrorCode::invalidArgument, "the glTF's JSON is too long");
-    std::string text(length, ' ');
-    gltf.read(offset, std::as_writable_bytes(std::span(text)));
-    return text;
-}
 
 // Only what leads to names is kept: a scene's JSON is mostly accessors and transforms.
 bool isWanted(int depth, json::parse_event_t event, json& parsed) {
@@ -81,9 +63,7 @@ std::string lightName(const std::string& name) {
 }
 
 SceneNames sceneNames(const GltfBytes& source, const JobSpec& job) {
-    const std::string text = textOf(source);
-    const json gltf = json::parse(text, isWanted, false);
-    if (!gltf.is_object()) throw Error(ErrorCode::invalidArgument, "the scene is no glTF");
+    const json gltf = readGltfJson(source, isWanted);
     SceneNames names;
     const json &nodes = listIn(gltf, "nodes"), &materials = listIn(gltf, "materials");
     for (size_t i = 0; i < nodes.size(); ++i) {

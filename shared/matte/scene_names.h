@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstddef>
-#include <functional>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 
+#include "shared/gltf/gltf_bytes.h"
 #include "shared/job/job.h"
 
 namespace tilefarm {
@@ -25,12 +23,6 @@ std::string lightName(const std::string& name);
 inline constexpr const char* kLightMaterialName = "light";
 /// The material of primitives that have none.
 inline constexpr const char* kDefaultMaterialName = "default";
-
-/// Reads `into.size()` bytes from `offset` of a .gltf or .glb of `size` bytes.
-struct GltfBytes {
-    uint64_t size = 0;
-    std::function<void(uint64_t offset, std::span<std::byte> into)> read;
-};
 
 /// Names of all nodes, lights and materials of a glTF file, whether they are seen or not, and of the lights
 /// that the job adds. Of things that share a name the ids are one. Throws Error(invalidArgument) if it is no

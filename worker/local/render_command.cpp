@@ -9,6 +9,7 @@
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/film/notices.h"
+#include "shared/gltf/picture_size.h"
 #include "shared/image/png.h"
 #include "shared/job/numbered.h"
 #include "shared/job/wire.h"
@@ -96,11 +97,7 @@ void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* ou
 FrameContents contentsOf(const JobSpec& spec, const fs::path& gltf) {
     FrameContents contents{filmLayoutOf(spec), {}};
     if (!contents.layout.cryptomatte) return contents;
-    const std::vector<std::byte> bytes = readWhole(gltf);
-    const auto read = [&](uint64_t offset, std::span<std::byte> into) {
-        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
-    };
-    contents.metadata = matteMetadata(GltfBytes{bytes.size(), read}, spec);
+    contents.metadata = matteMetadata(bytesOfGltf(readWhole(gltf)), spec);
     return contents;
 }
 
@@ -149,6 +146,8 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
     for (const fs::path& output : {render.exr, render.png, render.report}) requireFolderOf(output);
     JobSpec spec = render.spec;
     spec.scene = bundleOf(render.files);
+    spec.image = pictureSize(bytesOfGltf(readWhole(render.files.entry)), spec);
+    jobFromJson(toJson(spec));  // the rules between members, now that its size is known
 
     const auto device = backend();
     const PreparedScene scene = device->prepare(spec, render.files);

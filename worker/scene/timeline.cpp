@@ -50,6 +50,7 @@ struct Timeline::Impl {
             const Scene& now = at(secondsOf(frame, share));
             if (!now.cameras.empty()) camera = selectCamera(now, spec.camera, aspect);
         }
+        camera = fitted(camera, spec.settings.cameraFit, aspect);
         setLens(camera, spec.view, aspect, middle);
         if (spec.motion.turntable == 0) return camera;
         return turnedAround(camera, middle, spec.motion.turntable * (frame + share * spec.motion.shutter));

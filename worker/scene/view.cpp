@@ -50,6 +50,19 @@ Camera placedCamera(const ViewSettings& view) {
     return camera;
 }
 
+Camera fitted(Camera camera, CameraFit fit, double imageAspect) {
+    // Files have their aspects in six digits; a picture of whole pixels is not closer either.
+    constexpr double kSame = 1e-5;
+    const double narrower = camera.aspect / imageAspect;  // above 1: the picture is narrower than the view
+    const bool keepsWidth = fit == CameraFit::horizontal || (fit == CameraFit::fit && narrower > 1) ||
+                            (fit == CameraFit::fill && narrower < 1);
+    if (camera.panorama || !(camera.aspect > 0) || !keepsWidth || std::abs(narrower - 1) < kSame)
+        return camera;
+    camera.ymag = static_cast<float>(camera.ymag * narrower);
+    camera.yfov = static_cast<float>(2 * std::atan(std::tan(0.5 * camera.yfov) * narrower));
+    return camera;
+}
+
 void setLens(Camera& camera, const ViewSettings& view, double imageAspect, const glm::dvec3& middle) {
     if (camera.orthographic || camera.panorama) {
         return;

@@ -53,6 +53,19 @@ TEST_F(ApiTest, ListsEveryFaultOfAJobWithItsPlace) {
     EXPECT_EQ(client.Post("/v1/jobs", "{", "application/json")->status, 400);
 }
 
+TEST_F(ApiTest, GivesAJobWithoutASizeThatOfItsCamera) {
+    json body = toJson(spec(R"({"cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 2}}],
+                                "nodes": [{"camera": 0}]})"));
+    body["image"] = {{"tileSize", 16}};
+    EXPECT_EQ(parsed(post("/v1/jobs", body))["spec"]["image"],
+              json({{"width", 320}, {"height", 640}, {"tileSize", 16}}));
+    body["image"]["width"] = 32768;
+    body["image"]["tileSize"] = 8;
+    const auto refused = post("/v1/jobs?validate=only", body);
+    EXPECT_EQ(refused->status, 400) << "of 32768 x 32768 pixels";
+    EXPECT_EQ(parsed(refused)["errors"][0]["pointer"], "/image/tileSize");
+}
+
 TEST_F(ApiTest, RefusesAJobWhoseFilesAreNotHere) {
     JobSpec job = spec();
     job.scene.files["dir/b~.bin"] = std::string(64, 'b');

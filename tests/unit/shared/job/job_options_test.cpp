@@ -186,6 +186,10 @@ TEST(JobOptions, TakeFramesByListAndStep) {
     EXPECT_EQ(parsed({"--frames", "1-100x10"}).frames, (FrameSet{1, 10, 10}));
     EXPECT_EQ(parsed({"--frames", "1,5,9"}).frames, (FrameSet{1, 3, 1, "1,5,9"}));
 }
+
+TEST(JobOptions, LeaveTheSizeOpenUnlessItIsGiven) {
+    EXPECT_EQ(parsed({}).image, (ImageSpec{0, 0, 128}));
+    EXPECT_EQ(parsed({"--width", "100"}).image, (ImageSpec{100, 0, 128}));
 }
 
 TEST(OptionName, SplitsCamelCase) {

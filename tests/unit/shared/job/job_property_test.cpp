@@ -30,6 +30,10 @@ public:
                                            : static_cast<int64_t>(share() * static_cast<double>(steps));
         out = static_cast<T>(std::min(r.most / r.step * r.step, first + step * r.step));
     }
+    template <typename T>
+    void givenInteger(Member m, T& out, IntegerRange r) {
+        integer(m, out, r);
+    }
     template <std::floating_point T>
     void number(Member, T& out, NumberRange r) {
         if (change()) out = anyNumber<T>(r);

@@ -95,6 +95,7 @@ TEST(JobFromJson, ReadsRecordsOfVersionsThatKnewLess) {
     JobSpec expected;
     expected.name = "demo";
     expected.scene = {"a.glb", {{"a.glb", kDigest}}, ""};
+    expected.image = {.width = 640, .height = 360};
     EXPECT_EQ(old, expected);
 }
 
@@ -119,6 +120,7 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"frames": {"list": "1,x"}})", "/frames/list"},
         {R"({"frames": {"list": "1,5,9", "count": 4}})", "/frames/count"},
         {R"({"frames": {"list": "1,5,9", "first": 2}})", "/frames/first"},
+        {R"({"settings": {"cameraFit": "crop"}})", "/settings/cameraFit"},
         {R"({"settings": {"lightUnits": "lumen"}})", "/settings/lightUnits"},
         {R"({"priority": 101})", "/priority"},
         {R"({"priority": true})", "/priority"},
@@ -252,6 +254,7 @@ Lease goodLease() {
     lease.epoch = 1ull << 60;
     lease.jobId = "j1";
     lease.spec = jobFromJson(goodJob());
+    lease.spec.image = {.width = 640, .height = 360};
     lease.frame = -3;
     lease.passes = {{0, {0, 1}}, {14, {64, 64}}};
     return lease;
@@ -267,6 +270,10 @@ TEST(Lease, ObeysTheRulesOfItsJobAndImage) {
     outside["passes"][0]["tile"] = 15;  // 640x360 in tiles of 128: 5 x 3
     EXPECT_THAT(errorOf([&] { leaseFromJson(outside); }).what(),
                 HasSubstr("tile 15 of an image of 15 tiles"));
+
+    json sizeless = toJson(goodLease());
+    sizeless["spec"]["image"].erase("width");
+    EXPECT_THAT(errorOf([&] { leaseFromJson(sizeless); }).what(), HasSubstr("no size"));
 
     json escaping = toJson(goodLease());
     escaping["spec"]["scene"]["files"]["../../home/a"] = kDigest;

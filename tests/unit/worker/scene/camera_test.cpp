@@ -4,6 +4,7 @@
 
 #include "tests/support/expect_error.h"
 #include "worker/scene/load.h"
+#include "worker/scene/view.h"
 
 namespace tilefarm {
 namespace {
@@ -83,6 +84,48 @@ TEST(SelectCamera, FindsByCameraThenByNodeName) {
     const Error error = errorOf([&] { selectCamera(scene, "Boat", 1); });
     EXPECT_EQ(error.code, ErrorCode::invalidArgument);
     EXPECT_THAT(error.what(), HasSubstr(R"(no camera "Boat"; it has "Wide" at "Tripod", "Drone")"));
+}
+
+/// Half width and half height of the picture at a distance of 1, as a camera without a lens gives them.
+std::pair<double, double> seen(Camera camera, CameraFit fit, double imageAspect) {
+    camera = fitted(camera, fit, imageAspect);
+    const double half = camera.orthographic ? camera.ymag : std::tan(camera.yfov / 2.0);
+    return {half * imageAspect, half};
+}
+
+TEST(FittedCamera, ShowsTheWholeViewOrNothingBeyondIt) {
+    Camera camera;
+    camera.aspect = 2;
+    camera.yfov = 2 * std::atan(0.5f);  // the view is 2 by 1
+    for (const bool flat : {false, true}) {
+        camera.orthographic = flat;
+        camera.xmag = 1, camera.ymag = 0.5f;
+        const auto expect = [&](CameraFit fit, double aspect, double width, double height) {
+            const auto [x, y] = seen(camera, fit, aspect);
+            EXPECT_NEAR(2 * x, width, 1e-6) << "fit " << int(fit) << " aspect " << aspect << " flat " << flat;
+            EXPECT_NEAR(2 * y, height, 1e-6)
+                << "fit " << int(fit) << " aspect " << aspect << " flat " << flat;
+        };
+        expect(CameraFit::fit, 1, 2, 2);
+        expect(CameraFit::fit, 4, 4, 1);
+        expect(CameraFit::fill, 1, 1, 1);
+        expect(CameraFit::fill, 4, 2, 0.5);
+        expect(CameraFit::vertical, 1, 1, 1);
+        expect(CameraFit::vertical, 4, 4, 1);
+        expect(CameraFit::horizontal, 1, 2, 2);
+        expect(CameraFit::horizontal, 4, 2, 0.5);
+    }
+}
+
+TEST(FittedCamera, KeepsItsBitsWhereTheAspectsAgreeOrNoneIsKnown) {
+    Camera camera;
+    camera.yfov = 0.7f;
+    for (const float aspect : {0.f, 1.7777778f, 1.77778f}) {
+        camera.aspect = aspect;
+        for (const CameraFit fit :
+             {CameraFit::fit, CameraFit::fill, CameraFit::horizontal, CameraFit::vertical})
+            EXPECT_EQ(fitted(camera, fit, 1920.0 / 1080).yfov, 0.7f) << aspect;
+    }
 }
 
 }  // namespace
