@@ -12,7 +12,10 @@ bool open(SampleKey key, Surface s) {
     if (dot(wi, s.geometricNormal) <= 0.0) return false;
     vec3 origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, wi);
     rayCount++;
-    return !anyHit(Ray(origin, 0.0, wi, parameters.integrator.x, s.primitive, cutoutKey(key, 1u)));
+    Ray ray = freeRay(origin, wi, parameters.integrator.x, cutoutKey(key, 1u));
+    ray.skipPrimitive = s.primitive;
+    ray.culls = cullsAll();
+    return !anyHit(ray);
 }
 
 PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {

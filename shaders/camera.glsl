@@ -97,4 +97,19 @@ void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) 
     }
 }
 
+// Whether rays other than the camera's pass back faces.
+bool cullsAll() { return has(FEATURE_CULLING) && parameters.culling.x == CULLING_ALL; }
+
+// The camera's ray as far as its clipping planes let it see; it passes the backs that are culled. `cutout` is its key.
+Ray viewRay(SampleKey key, vec3 origin, vec3 direction, uint cutout) {
+    Ray ray = freeRay(origin, direction, INFINITY, cutout);
+    if (!has(FEATURE_CULLING)) return ray;
+    ray.culls = parameters.culling.x != CULLING_NONE;
+    if (parameters.culling.y == 0u) return ray;
+    vec2 reach = parameters.clipping.xy / dot(direction, cameraPose(key).forward);
+    ray.tMin = reach.x;
+    ray.tMax = reach.y;
+    return ray;
+}
+
 #endif

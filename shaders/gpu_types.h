@@ -108,7 +108,8 @@ GPU_CONSTANT FEATURE_REGULARISATION = 56;       // a least α behind rough surfa
 GPU_CONSTANT FEATURE_DIRECTION_SAMPLING = 57;   // other than by the BSDF
 GPU_CONSTANT FEATURE_SHADOW_DEPTH = 58;
 GPU_CONSTANT FEATURE_ROULETTE_RULE = 59;        // other than by throughput
-GPU_CONSTANT FEATURE_COUNT = 60;
+GPU_CONSTANT FEATURE_CULLING = 60;              // back faces or parts beyond clipping planes that rays pass
+GPU_CONSTANT FEATURE_COUNT = 61;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -194,6 +195,11 @@ GPU_CONSTANT LIGHT_TREE_TWO_SIDED = 1u << 0;   // flags of a child
 GPU_CONSTANT LIGHT_TREE_INFINITE = 1u << 1;    // lights of no place: environment, directional, sun
 GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets less than LIGHT_TREE_LEAST
 #define LIGHT_TREE_LEAST 0.2
+
+// FrameParameters::culling.x
+GPU_CONSTANT CULLING_NONE = 0;
+GPU_CONSTANT CULLING_CAMERA = 1;
+GPU_CONSTANT CULLING_ALL = 2;
 
 // FrameParameters::integrator.y
 GPU_CONSTANT VIEW_ALBEDO = 0;
@@ -305,6 +311,8 @@ struct FrameParameters {
     vec4 fogScattering;   // rgb, 1/m
     vec4 fogAbsorption;   // rgb, 1/m
     uvec4 cameraMedia;    // solids around the camera, path/media_stack.glsl
+    uvec4 culling;        // x: CULLING_*, y: 1 if the camera clips
+    vec4 clipping;        // where it does: x: from, y: to, m along the view direction
     uvec4 nesting;        // x: 1 if a ray may be in several solids, or starts in one
     uvec4 lights;         // x: LIGHTS_*; y: groups that LIGHTS_ALL asks
 };
@@ -321,7 +329,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 496 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 528 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 28);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material

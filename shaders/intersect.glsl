@@ -10,6 +10,7 @@
 //     const bool kBvhShapes = …;           specialization constant: whether there are surfaces other than triangles
 //     const bool kBvhFields = …;           specialization constant: whether any of them is a field
 //     const bool kBvhNonOpaque = …;        specialization constant: whether any triangle asks acceptHit
+//     const bool kBvhCulls = …;            specialization constant: whether any ray passes back faces
 //     bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 //         Whether a hit on a non-opaque triangle counts. A pure function of its arguments (`key` is the ray's), so that
 //         the order in which the traversal meets triangles does not show. Of a shape the barycentrics are its uv, and
@@ -20,7 +21,8 @@
 //   Wald, "Watertight Ray/Triangle Intersection", JCGT 2013). Boxes are tested conservatively (Ize, "Robust BVH Ray
 //   Traversal", JCGT 2013), also where direction components are ±0 or denormal and where the origin lies on a plane.
 // - Of several hits at exactly the same t the lowest primitive index wins, whatever the shape of the tree.
-// - No culling by side. Nothing is hit on `skipPrimitive` if that is flat: other shapes may be met again
+// - Faces count from both sides, but for rays with `culls` those that buildBvh was told are single-sided: their backs
+//   are not there. Nothing is hit on `skipPrimitive` if that is flat: other shapes may be met again
 //   by a ray that starts on them, and origins stand off their surface by its error bound (shapes/shape.glsl).
 // - A ray with NaN or infinite origin or direction, a direction shorter than 1e-18 or longer than 1e18, tMin > tMax or
 //   a NaN limit misses at once. tMin below 0 counts as 0; tMax may be infinite.
@@ -39,7 +41,13 @@ struct Ray {
     float tMax;
     uint skipPrimitive;  // kNoPrimitive: none
     uint key;            // for acceptHit
+    bool culls;          // passes the back faces of what is single-sided
 };
+
+// A ray that starts in the open.
+Ray freeRay(vec3 origin, vec3 direction, float tMax, uint key) {
+    return Ray(origin, 0.0, direction, tMax, kNoPrimitive, key, false);
+}
 
 struct Hit {
     float t;
@@ -56,6 +64,8 @@ const uint kBvhCount = 3u << kBvhCountShift;
 const uint kBvhAddress = 0x1fffffffu;
 const uint kBvhAskAccept = 0x80000000u;
 const uint kBvhShape = 0x40000000u;
+const uint kBvhSingleSided = 0x20000000u;
+const uint kBvhPrimitive = 0x1fffffffu;
 const uint kBvhRoot = 0u;
 const uint kBvhDone = 0xffffffffu;  // no reference: it would have the count 4 and the last address
 
@@ -146,10 +156,16 @@ struct Candidate {
 
 #include "shapes/shape.glsl"
 
+bool mayCull(Ray ray, uint tag) { return kBvhCulls && ray.culls && (tag & kBvhSingleSided) != 0u; }
+
+// Whether a triangle with this sum of edge functions is seen from behind: those are taken along the longest axis, which
+// the ray may go down.
+bool isBack(float determinant, ShearRay shear) { return (determinant < 0.0) != (shear.shear.z < 0.0); }
+
 // The shape that the texels at `slot` name, against the ray. A shape is crossed several times: what a cut-out lets
 // through at the first crossing may stop at the next.
 void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candidate best) {
-    uint primitive = tag & ~(kBvhAskAccept | kBvhShape);
+    uint primitive = tag & kBvhPrimitive;
     ShapeHead head = loadShape(shape);
     if (isFlat(head.kind) && primitive == ray.skipPrimitive) return;
     ShapeRay own = shapeRay(shape, head, ray.origin, ray.direction);
@@ -160,8 +176,8 @@ void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candid
         if (!nextCrossing(shape, head, own, crossings, after, best.t, s)) return;
         float t = s * own.scale;
         if (!(t < best.t || (t == best.t && primitive < best.primitive))) return;
-        bool counts = true;
-        if (kBvhNonOpaque && (tag & kBvhAskAccept) != 0u)
+        bool counts = !(mayCull(ray, tag) && leavesShape(shape, head, own, s));
+        if (kBvhNonOpaque && counts && (tag & kBvhAskAccept) != 0u)
             counts = acceptHit(primitive, shapeUv(shape, head, own, s), ray.key + crossing * 0x9e3779b9u);
         if (counts) {
             best = Candidate(t, primitive, slot);
@@ -177,7 +193,7 @@ void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
     uvec4 texelX = LOAD(bvhTriangles, triangle + shear.axis.x);
     uvec4 texelY = LOAD(bvhTriangles, triangle + shear.axis.y);
     uvec4 texelZ = LOAD(bvhTriangles, triangle + shear.axis.z);
-    uint primitive = texelX.w & ~kBvhAskAccept;
+    uint primitive = texelX.w & kBvhPrimitive;
     if (kBvhShapes && (texelX.w & kBvhShape) != 0u) {
         hitShape(triangle, texelX.x, texelX.w, ray, shear.tMin, best);
         return;
@@ -195,8 +211,8 @@ void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
     bool inside = min(edge.x, min(edge.y, edge.z)) >= 0.0 || max(edge.x, max(edge.y, edge.z)) <= 0.0;
     bool nearer = t < best.t || (t == best.t && primitive < best.primitive);
     if (inside && determinant != 0.0 && t > shear.tMin && nearer && primitive != ray.skipPrimitive) {
-        bool counts = true;
-        if (kBvhNonOpaque && (texelX.w & kBvhAskAccept) != 0u)
+        bool counts = !(mayCull(ray, texelX.w) && isBack(determinant, shear));
+        if (kBvhNonOpaque && counts && (texelX.w & kBvhAskAccept) != 0u)
             counts = acceptHit(primitive, edge.yz / determinant, ray.key);
         if (counts) best = Candidate(t, primitive, triangle);
     }

@@ -50,6 +50,7 @@ Ray shadowRay(LightSample l, uint primitive, uint key) {
     ray.tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
     ray.skipPrimitive = primitive;
     ray.key = key;
+    ray.culls = cullsAll();
     return ray;
 }
 

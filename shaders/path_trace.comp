@@ -12,9 +12,9 @@
 #include "path/path_state.glsl"
 #include "path/scatter.glsl"
 
-PathState startPath(vec3 origin, vec3 direction) {
+PathState startPath(SampleKey key, vec3 origin, vec3 direction) {
     PathState path;
-    path.ray = Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, 0u);
+    path.ray = viewRay(key, origin, direction, 0u);
     path.throughput = vec3(1);
     path.radiance = vec3(0);
     path.medium = outside();
@@ -49,16 +49,21 @@ void truncate(float throughput) {
 
 PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
     PathSample result = PathSample(vec3(0), vec3(0), vec3(0), 0.0, 0.0);
-    PathState path = startPath(origin, direction);
+    PathState path = startPath(key, origin, direction);
     for (;; path.bounce++) {
         Hit hit;
         path.ray.key = cutoutKey(key, path.bounce);
         rayCount++;
+        if (has(FEATURE_CULLING) && path.bounce > 0u) {
+            path.ray.culls = cullsAll();
+            path.ray.tMin = 0.0;
+            path.ray.tMax = INFINITY;
+        }
         FogFlight flight;
         if (has(FEATURE_FOG)) {
             flight = fogFlight(path.throughput, path.medium, path.ray, key, path.bounce);
             // The camera's ray goes on to the first surface, for the channels that show that.
-            path.ray.tMax = path.bounce > 0u ? flight.reach : INFINITY;
+            if (path.bounce > 0u) path.ray.tMax = flight.reach;
         }
         bool found = closestHit(path.ray, hit);
         bool inFog = has(FEATURE_FOG) && passFog(path.throughput, flight, found ? hit.t : INFINITY);

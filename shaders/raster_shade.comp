@@ -33,7 +33,7 @@ bool seenSurface(uint slot, Ray ray, out Hit hit) {
     if (slot == NO_INDEX) return false;
     uint tag = LOAD(bvhTriangles, slot).w;
     if (kBvhShapes && (tag & kBvhShape) != 0u) return hitShapeAlone(slot, ray, hit);
-    hit = Hit(0.0, tag & ~kBvhAskAccept, barycentricsOf(makeShearRay(ray), slot), slot);
+    hit = Hit(0.0, tag & kBvhPrimitive, barycentricsOf(makeShearRay(ray), slot), slot);
     return true;
 }
 

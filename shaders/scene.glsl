@@ -11,6 +11,7 @@ layout(constant_id = SPEC_VERTEX_TEXELS) const uint VERTEX_TEXELS = 4u;
 
 layout(constant_id = SPEC_STACK_SIZE) const uint kBvhStackSize = 64u;
 const bool kBvhNonOpaque = (FEATURES >> FEATURE_CUTOUT & 1u) != 0u;
+const bool kBvhCulls = (FEATURES_HIGH >> (FEATURE_CULLING - 32u) & 1u) != 0u;
 const bool kBvhShapes = (FEATURES_HIGH >> (FEATURE_SHAPES - 32u) & 1u) != 0u;
 const bool kBvhFields = (FEATURES_HIGH >> (FEATURE_FIELDS - 32u) & 1u) != 0u;
 

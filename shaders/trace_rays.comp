@@ -8,6 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const uint kBvhStackSize = 32u;
 layout(constant_id = 1) const bool kBvhNonOpaque = false;
+const bool kBvhCulls = false;
 layout(constant_id = 2) const bool kAnyHit = false;
 layout(constant_id = 3) const bool kBvhShapes = false;
 const bool kBvhFields = false;
@@ -32,7 +33,7 @@ void main() {
     if (i >= count) return;
     vec4 origin = LOAD_FLOATS(rays, 3u * i), direction = LOAD_FLOATS(rays, 3u * i + 1u);
     uvec4 more = LOAD(rays, 3u * i + 2u);
-    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y);
+    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false);
     if (kAnyHit) {
         hits[i] = uvec4(0u, anyHit(ray) ? 0u : kNoPrimitive, 0u, 0u);
         return;

@@ -67,8 +67,9 @@ vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
 
 Branch startingAt(Surface s, vec3 direction, Branch from, vec3 weight) {
     Branch next = from;
-    next.ray = Ray(offsetOrigin(s.position, s.positionError, s.geometricNormal, direction), 0.0, direction, INFINITY,
-                   s.primitive, 0u);
+    next.ray = freeRay(offsetOrigin(s.position, s.positionError, s.geometricNormal, direction), direction, INFINITY, 0u);
+    next.ray.skipPrimitive = s.primitive;
+    next.ray.culls = cullsAll();
     next.weight = from.weight * weight;
     next.depth++;
     return next;
@@ -124,7 +125,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
     vec3 radiance = vec3(0);
     truncated = false;
     waitingCount = 0u;
-    follow(Branch(Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, 0u), vec3(1), vec3(0), 0u));
+    follow(Branch(viewRay(key, origin, direction, 0u), vec3(1), vec3(0), 0u));
     for (uint rays = 0u; waitingCount > 0u && rays < kMostRays; rays++)
         radiance += lightAlong(key, waiting[--waitingCount], result);
     if (truncated || waitingCount > 0u) truncatedCount++;

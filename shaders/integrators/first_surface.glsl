@@ -3,7 +3,7 @@
 #define FIRST_SURFACE_GLSL
 
 bool firstSurface(SampleKey key, vec3 origin, vec3 direction, out Hit hit, out Surface s) {
-    Ray ray = Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, cutoutKey(key, 0u));
+    Ray ray = viewRay(key, origin, direction, cutoutKey(key, 0u));
     rayCount++;
     if (!closestHit(ray, hit)) return false;
     s = surfaceAt(hit, ray);

@@ -3,6 +3,24 @@
 layout(location = 0) flat in uint slot;
 layout(location = 0) out uvec4 seen;
 
+// Metres from the camera's plane to what is drawn.
+float aheadOfFragment() {
+    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC;
+    return flat_ ? (1.0 - gl_FragCoord.z) * parameters.integrator.w : 1.0 / gl_FragCoord.w;
+}
+
+bool isClipped() {
+    if (!has(FEATURE_CULLING) || parameters.culling.y == 0u) return false;
+    float ahead = aheadOfFragment();
+    return ahead < parameters.clipping.x || ahead > parameters.clipping.y;
+}
+
+bool isBackOf(uint triangle, vec3 direction) {
+    vec3 corner[3];
+    loadCorners(Hit(0.0, 0u, vec2(0), triangle), corner);
+    return dot(cross(corner[1] - corner[0], corner[2] - corner[0]), direction) > 0.0;
+}
+
 void main() {
     uint tag = LOAD(bvhTriangles, slot).w;
     Ray ray = rasterRay(uvec2(gl_FragCoord.xy) + drawnBlock().xy, pass.firstSample);
@@ -18,7 +36,8 @@ void main() {
         return;
     }
 #endif
+    if (isClipped() || (mayCull(ray, tag) && isBackOf(slot, ray.direction))) discard;
     if (kBvhNonOpaque && (tag & kBvhAskAccept) != 0u &&
-        !acceptHit(tag & ~kBvhAskAccept, barycentricsOf(makeShearRay(ray), slot), ray.key))
+        !acceptHit(tag & kBvhPrimitive, barycentricsOf(makeShearRay(ray), slot), ray.key))
         discard;
 }

@@ -32,9 +32,10 @@ SampleKey pixelKey(uvec2 pixel, uint index) {
 // The ray that the draw stands for at a pixel.
 Ray rasterRay(uvec2 pixel, uint index) {
     vec3 origin, direction;
-    cameraRay(frameKey(index), vec2(pixel) + rasterOffset(index), origin, direction);
+    SampleKey key = frameKey(index);
+    cameraRay(key, vec2(pixel) + rasterOffset(index), origin, direction);
     uint cutout = has(FEATURE_CUTOUT) ? randomBits(pixelKey(pixel, index), bounceDimension(0u, DIMENSION_CUTOUT)).x : 0u;
-    return Ray(origin, 0.0, direction, INFINITY, kNoPrimitive, cutout);
+    return viewRay(key, origin, direction, cutout);
 }
 
 // The first hit of the ray on the shape at a slot.

@@ -239,6 +239,12 @@ vec2 shapeUv(uint shape, ShapeHead head, ShapeRay ray, float s) {
     return ownPoint(shape, head, ownPosition(shape, head, ray, s)).uv;
 }
 
+// Whether the ray is on its way out at a crossing, or comes from behind a flat one: it sees a back face.
+bool leavesShape(uint shape, ShapeHead head, ShapeRay ray, float s) {
+    vec3 p = rayPosition(shape, head, ray, s);
+    return dot(head.kind <= SHAPE_ELLIPSOID ? p : ownPoint(shape, head, p).normal, ray.d) > 0.0;
+}
+
 struct ShapePoint {
     vec3 position;
     vec3 error;    // per coordinate: a ray that starts off by it, towards either side, starts on that side

@@ -128,6 +128,13 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
          "how the view of the file's camera lies in a picture of another aspect: by its height (vertical), "
          "its width (horizontal), so that all of it is seen (fit) or nothing beyond it (fill)"},
         settings.cameraFit, kCameraFitChoices);
+    v.flag({"cameraClip", "the camera sees between the znear and zfar of the file's camera alone"},
+           settings.cameraClip);
+    v.choice(
+        {"culling",
+         "which rays pass through the back faces of materials that are not double-sided: none, those from "
+         "the camera to the first surface, or all; no value is biased, each is another scene"},
+        settings.culling, kCullingChoices);
     v.choice(
         {"lightUnits",
          "of the file's KHR_lights_punctual: W/sr and W/m² (radiometric), or candela and lux, divided by "

@@ -69,6 +69,8 @@ struct RenderSettings {
     Sampler sampler = Sampler::random;
     uint32_t strata = 8;  // per side of the stratified sampler's grids
     CameraFit cameraFit = CameraFit::fit;
+    bool cameraClip = false;  // camera rays see between the camera's znear and zfar alone
+    Culling culling = Culling::camera;
     LightUnits lightUnits = LightUnits::radiometric;
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };

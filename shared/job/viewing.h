@@ -66,6 +66,13 @@ enum class CameraFit : uint8_t {
     fill,        // whichever shows nothing beyond it
 };
 
+/// Which rays pass through the back faces of materials that are not double-sided (glTF 2.0, 3.9.6).
+enum class Culling : uint8_t {
+    none,
+    camera,  // rays from the camera to the first surface
+    all,     // every ray, those to lights too
+};
+
 /// How samples are spread over a pixel; each keeps the mean of the picture that its filter defines.
 enum class PixelFilter : uint8_t { box, tent, gaussian, blackmanHarris };
 

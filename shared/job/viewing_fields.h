@@ -53,6 +53,11 @@ inline constexpr std::array kCameraFitChoices{
     Choice<CameraFit>{"fit", CameraFit::fit},
     Choice<CameraFit>{"fill", CameraFit::fill},
 };
+inline constexpr std::array kCullingChoices{
+    Choice<Culling>{"none", Culling::none},
+    Choice<Culling>{"camera", Culling::camera},
+    Choice<Culling>{"all", Culling::all},
+};
 inline constexpr uint32_t kMostShutterSteps = 32;
 
 template <typename Visitor>

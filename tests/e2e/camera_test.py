@@ -1,4 +1,4 @@
-"""Pictures of another shape than the camera's view, and frames by list: on the farm as here."""
+"""Pictures of another shape than the camera's view, clipping planes and single-sided faces: on the farm as here."""
 import base64
 import json
 import struct
@@ -35,6 +35,7 @@ def card(camera, placed=((0, 0, 0),), turned=False, double_sided=True):
 
 WIDE = {"type": "perspective", "perspective": {"yfov": 0.6435011087932844, "znear": 0.01, "aspectRatio": 2}}
 FLAT = {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 2, "znear": 0.5, "zfar": 10}}
+NEAR = {"type": "perspective", "perspective": {"yfov": 0.64, "znear": 2}}
 
 
 class CameraTest(FarmTest):
@@ -65,6 +66,25 @@ class CameraTest(FarmTest):
             exr, _ = self.render_here(scene, fit + ".exr", **square, camera_fit=fit)
             self.assertEqual(round(sum(self.rows(exr))), rows, fit)
 
+    def expect_back_culled(self, scene):
+        small = dict(width=16, height=16, samples=2)
+        for culling, alpha in (("camera", 0), ("all", 0), ("none", 1)):
+            exr, report = self.render_here(scene, culling + ".exr", **small, culling=culling)
+            self.assertEqual(Exr(exr).planes["A"][8 * 16 + 8], alpha, culling)
+            warned = "doubleSided" in [w["feature"] for w in report["warnings"]]
+            self.assertEqual(warned, culling != "none")
+        exr, _ = self.render_here(scene, **small)
+        self.assertEqual(max(Exr(exr).planes["A"]), 0, "the default is the camera's")
+
+    def expect_near_plane(self, scene, node):
+        small = dict(width=16, height=16, samples=2)
+        seen, report = self.render_here(scene, "seen.exr", **small)
+        self.assertAlmostEqual(Exr(seen).planes["Z"][8 * 16 + 8], 1, delta=0.1)
+        self.assertIn(node, next(w["instead"] for w in report["warnings"] if w["feature"] == "znear"))
+        clipped, report = self.render_here(scene, "clipped.exr", **small, camera_clip=())
+        self.assertAlmostEqual(Exr(clipped).planes["Z"][8 * 16 + 8], 3, delta=0.2)
+        self.assertNotIn("znear", [w["feature"] for w in report["warnings"]])
+
 
 class Shapes(CameraTest):
     def test_shared_case(self):
@@ -91,6 +111,22 @@ class Shapes(CameraTest):
     def test_one_side_gives_the_other(self):
         here, _ = self.render_here(self.scene(card(WIDE)), samples=1, height=16)
         self.assertEqual(Exr(here).width, 32)
+
+
+class Clipping(CameraTest):
+    def test_shared_case(self):
+        self.expect_near_plane(self.case("cam-znear"), "wall in front")
+
+    def test_what_lies_before_znear_is_named_and_clipped_if_asked_for(self):
+        self.expect_near_plane(self.scene(card(NEAR, ((0, 0, 0), (0, 0, 2)))), "card 1")
+
+
+class Culling(CameraTest):
+    def test_shared_case(self):
+        self.expect_back_culled(self.case("single-sided-culling"))
+
+    def test_the_camera_does_not_see_backs(self):
+        self.expect_back_culled(self.scene(card(NEAR, turned=True, double_sided=False)))
 
 
 class Frames(CameraTest):

@@ -22,6 +22,7 @@ RenderSettings settingsOf(const Shot& shot) {
     settings.clampDirect = shot.clampDirect;
     settings.clampIndirect = shot.clampIndirect;
     settings.regularisation = shot.regularisation;
+    settings.culling = Culling::none;  // scenes are of faces that are looked at from both sides
     return settings;
 }
 

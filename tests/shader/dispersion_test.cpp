@@ -39,6 +39,7 @@ protected:
         image.width = image.height = 32;
         RenderSettings settings;
         settings.maxBounces = 6;
+        settings.culling = Culling::none;
         Renderer renderer(device, scene, cameraAt({0, 0, 4}, {0, 0.3, 0}, 0.25), image, settings);
         const auto film = renderer.render(0, std::vector<uint32_t>{0}, {0, 64});
         Estimate e;

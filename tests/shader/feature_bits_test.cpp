@@ -84,6 +84,7 @@ protected:
     Rendered render(const View& view, uint64_t alsoCompiled) {
         RenderSettings settings;
         settings.maxBounces = 5;
+        settings.culling = Culling::none;
         Renderer renderer(device, view.scene, view.camera, smallImage(), settings, alsoCompiled);
         return {renderer.render(0, std::vector<uint32_t>{0}, {0, 4}).front().pixels, renderer.featureBits()};
     }

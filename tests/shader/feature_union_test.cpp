@@ -149,6 +149,7 @@ protected:
         camera.ymag = static_cast<float>(rows);
         RenderSettings settings;
         settings.maxBounces = 4;
+        settings.culling = Culling::none;
         Renderer renderer(device, cellsWithin(within), camera, image, settings, alsoCompiled);
         return {renderer.render(0, std::vector<uint32_t>{0}, {0, 4}).front().pixels, renderer.featureBits()};
     }

@@ -221,10 +221,10 @@ TEST_F(GlassShadowTest, SixteenPanesInAFurnaceKeepTheirLight) {
     for (int i = 0; i < 16; ++i)
         addMesh(scene, level(1 - 0.05f * static_cast<float>(i), 2, i % 3 != 0), pane());
     const auto above =
-        renderFrame(device, scene, cameraAt({0.1, 4, 0}, {0, 0.6, 0}, 0.6), square(8), RenderSettings{}, 64);
+        renderFrame(device, scene, cameraAt({0.1, 4, 0}, {0, 0.6, 0}, 0.6), square(8), bounces(8, 0), 64);
     expectMean(meanOf(above), 1, 1e-3);
     // Flat along them light goes back and forth: what the bounce limit takes of it is what the report says.
-    Renderer renderer(device, scene, cameraAt({0.4, 1.2, 4}, {0, 0.6, 0}, 0.2), square(8), RenderSettings{});
+    Renderer renderer(device, scene, cameraAt({0.4, 1.2, 4}, {0, 0.6, 0}, 0.2), square(8), bounces(8, 0));
     const PassFilm film = renderer.render(0, std::vector<uint32_t>{0}, {0, 64}).front();
     double found = 0;
     for (const PassPixel& pixel : film.pixels) found += pixel.mean[0] / 64;

@@ -33,6 +33,7 @@ protected:
         RenderSettings settings;
         settings.maxBounces = bounces;
         settings.rouletteStart = bounces;
+        settings.culling = Culling::none;
         Renderer renderer(device, scene, camera, image, settings, alsoCompiled);
         return renderer.render(0, std::vector<uint32_t>{0}, {0, samples}).front().pixels;
     }

@@ -17,6 +17,7 @@ RenderSettings bounces(uint32_t count, uint32_t seed) {
     RenderSettings settings;
     settings.maxBounces = count;
     settings.seed = seed;
+    settings.culling = Culling::none;
     return settings;
 }
 

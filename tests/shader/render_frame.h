@@ -11,6 +11,7 @@
 namespace tilefarm {
 
 ImageSpec square(uint32_t size, uint32_t tile = 128);
+/// Without culling: scenes of tests are made of faces that are looked at from both sides.
 RenderSettings bounces(uint32_t count, uint32_t seed = 1);
 std::vector<uint32_t> allTiles(const ImageSpec& image);
 

@@ -7,6 +7,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const uint kBvhStackSize = 32u;
 layout(constant_id = 1) const bool kBvhNonOpaque = false;
+const bool kBvhCulls = false;
 layout(constant_id = 2) const bool kBvhFields = false;
 const bool kBvhShapes = true;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
@@ -32,7 +33,7 @@ vec3 offset(vec3 position, vec3 error, vec3 normal, vec3 direction) {
 
 float goesOn(ShapePoint p, vec3 direction, uint primitive) {
     Hit next;
-    Ray ray = Ray(offset(p.position, p.error, p.normal, direction), 0.0, direction, uintBitsToFloat(0x7f800000u), primitive, 0u);
+    Ray ray = Ray(offset(p.position, p.error, p.normal, direction), 0.0, direction, uintBitsToFloat(0x7f800000u), primitive, 0u, false);
     return closestHit(ray, next) ? next.t : -1.0;
 }
 
@@ -42,7 +43,7 @@ void main() {
     if (i >= count) return;
     vec4 origin = LOAD_FLOATS(rays, 3u * i), direction = LOAD_FLOATS(rays, 3u * i + 1u);
     uvec4 more = LOAD(rays, 3u * i + 2u);
-    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y);
+    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false);
     Hit hit;
     if (!closestHit(ray, hit)) {
         for (uint k = 0u; k < 6u; ++k) results[6u * i + k] = vec4(-1);

@@ -56,6 +56,8 @@ public:
         prepared.counts.lights = renderer_->lights();
         prepared.counts.degenerateTriangles += renderer_->degenerateTriangles();
         prepared.warnings = scene.warnings;
+        const std::vector<SceneWarning>& ofView = renderer_->warnings();
+        prepared.warnings.insert(prepared.warnings.end(), ofView.begin(), ofView.end());
         prepared.features = renderer_->features();
         addWarnings(prepared.features, prepared.warnings);
         prepared.loadSeconds = loading.count();

@@ -125,8 +125,8 @@ uint32_t bits(float value) {
 
 class Packer {
 public:
-    Packer(Bvh& bvh, std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque)
-        : bvh_(bvh), corners_(corners), nonOpaque_(nonOpaque) {}
+    Packer(Bvh& bvh, std::span<const glm::vec3> corners, std::span<const uint8_t> flags)
+        : bvh_(bvh), corners_(corners), flags_(flags) {}
 
     /// Appends `node` and what is below it, depth first. Gives the stack that its traversal needs.
     uint32_t addNode(const BuildInner& node, uint32_t depth) {
@@ -182,8 +182,9 @@ private:
     void addLeaf(const BuildLeaf& leaf) {
         for (uint32_t i = 0; i < leaf.primitives; ++i) {
             const uint32_t primitive = leaf.primitive[i];
-            const bool ask = !nonOpaque_.empty() && nonOpaque_[primitive];
-            const uint32_t tag = primitive | (ask ? kBvhNonOpaque : 0u);
+            const uint8_t flags = flags_.empty() ? uint8_t{0} : flags_[primitive];
+            const uint32_t tag = primitive | ((flags & kAsksAccept) != 0 ? kBvhNonOpaque : 0u) |
+                                 ((flags & kIsSingleSided) != 0 ? kBvhSingleSided : 0u);
             ++bvh_.triangleCount;
             const size_t triangles = corners_.size() / 3;
             if (primitive >= triangles) {
@@ -201,19 +202,19 @@ private:
 
     Bvh& bvh_;
     std::span<const glm::vec3> corners_;
-    std::span<const uint8_t> nonOpaque_;
+    std::span<const uint8_t> flags_;
 };
 
 }  // namespace
 
-Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque,
+Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> flags,
              std::span<const BvhBox> shapes) {
     const size_t count = corners.size() / 3 + shapes.size();
     if (count * kBvhTriangleTexels >= kMaxTexels)
         throw Error(ErrorCode::unprocessable, fmt::format("{} triangles are more than a BVH holds ({})",
                                                           count, kMaxTexels / kBvhTriangleTexels));
     Bvh bvh;
-    Packer packer(bvh, corners, nonOpaque);
+    Packer packer(bvh, corners, flags);
     BuildInner above;
     if (count == 0) {
         packer.addNode(above, 1);

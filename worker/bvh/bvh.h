@@ -13,8 +13,8 @@
 // triangle is kBvhTriangleTexels texels, one per axis, so that a permutation of the axes is one of addresses:
 //     0  x of the three corners, tag     1  y of the corners, tag     2  z of the corners, tag
 // The tag is the index of the triangle as given, with kBvhNonOpaque set where the kernel has to ask
-// acceptHit. With kBvhShape set the primitive is no triangle but a shape, whose index stands in the first
-// word of all three texels.
+// acceptHit and kBvhSingleSided where rays may pass its back. With kBvhShape set the primitive is no triangle
+// but a shape, whose index stands in the first word of all three texels.
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -30,6 +30,11 @@ inline constexpr uint32_t kBvhLeaf = 0x80000000u;
 inline constexpr uint32_t kBvhCountShift = 29;
 inline constexpr uint32_t kBvhNonOpaque = 0x80000000u;
 inline constexpr uint32_t kBvhShape = 0x40000000u;
+inline constexpr uint32_t kBvhSingleSided = 0x20000000u;
+
+// What buildBvh may be told of a primitive.
+inline constexpr uint8_t kAsksAccept = 1;
+inline constexpr uint8_t kIsSingleSided = 2;
 
 /// The bounds of a shape; finite, not empty.
 struct BvhBox {
@@ -46,12 +51,12 @@ struct Bvh {
     uint32_t stackSize = 0;
 };
 
-/// Builds over triangles given as three world-space corners each; all corners must be finite. `nonOpaque` is
-/// empty or says for each primitive, by a nonzero value, that the kernel has to ask acceptHit. Shapes are
+/// Builds over triangles given as three world-space corners each; all corners must be finite. `flags` is
+/// empty or has kAsksAccept and kIsSingleSided for each primitive that the kernel is to treat so. Shapes are
 /// numbered as primitives after the triangles. The tree
 /// depends on the input alone, not on thread timing. Throws Error(unprocessable) above what 29 bits of texel
 /// address hold (178 million triangles).
-Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> nonOpaque = {},
+Bvh buildBvh(std::span<const glm::vec3> corners, std::span<const uint8_t> flags = {},
              std::span<const BvhBox> shapes = {});
 
 /// The specialization constant kBvhStackSize of shaders/intersect.glsl, which keeps one entry for itself: in

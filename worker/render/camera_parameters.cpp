@@ -1,5 +1,6 @@
 #include "worker/render/camera_parameters.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
@@ -7,6 +8,8 @@
 
 namespace tilefarm {
 namespace {
+
+constexpr float kFarthest = 1e30f;  // m, of rays
 
 // Node scales do not belong to a camera's axes.
 glm::dmat3 axesOf(const Camera& camera) {
@@ -64,6 +67,17 @@ void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, con
         setKey(key, path.keys[i], path.pivot, aspectOf(image),
                i > 0 ? key - gpu::CAMERA_KEY_VECTORS : nullptr);
     }
+}
+
+uint64_t setCulling(gpu::FrameParameters& parameters, const BackFaces& backFaces, const CameraPath& path,
+                    Culling culling) {
+    const Camera& camera = path.keys.front();
+    if (culling == Culling::all && backFaces.any()) parameters.culling.x = gpu::CULLING_ALL;
+    if (culling == Culling::camera && backFaces.mayBeSeen(path)) parameters.culling.x = gpu::CULLING_CAMERA;
+    parameters.culling.y = camera.clips && !camera.panorama ? 1 : 0;
+    parameters.clipping = {camera.znear, std::min(camera.zfar, kFarthest), 0, 0};
+    const bool needed = parameters.culling.x != gpu::CULLING_NONE || parameters.culling.y != 0;
+    return needed ? gpu::bit(gpu::FEATURE_CULLING) : 0;
 }
 
 uint64_t featuresOf(const CameraPath& path) {

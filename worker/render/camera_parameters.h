@@ -2,7 +2,7 @@
 
 #include "shaders/gpu_types.h"
 #include "shared/job/job.h"
-#include "worker/scene/scene.h"
+#include "worker/scene/back_faces.h"
 
 namespace tilefarm {
 
@@ -13,6 +13,11 @@ void setCamera(gpu::FrameParameters& parameters, const Camera& camera, const Ima
 /// Likewise for a camera on its way, with its lens; also parameters.sampling.z. Throws Error(invalidArgument)
 /// if there are more keys than CAMERA_KEYS.
 void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, const ImageSpec& image);
+
+/// Which back faces and which depths the camera's rays pass. `backFaces` are those of the scene, in the space
+/// of `path`. Gives the FEATURE_* that they call for.
+uint64_t setCulling(gpu::FrameParameters& parameters, const BackFaces& backFaces, const CameraPath& path,
+                    Culling culling);
 
 /// The FEATURE_* that a camera calls for.
 uint64_t featuresOf(const CameraPath& path);

@@ -69,6 +69,7 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "direction sampling",
     "shadow depth",
     "roulette rule",
+    "culling",
 };
 static_assert(!kNames.back().empty());
 

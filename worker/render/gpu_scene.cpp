@@ -11,6 +11,7 @@
 #include "worker/render/matte_packer.h"
 #include "worker/render/shape_packer.h"
 #include "worker/render/vertex_packer.h"
+#include "worker/scene/back_faces.h"
 
 namespace tilefarm {
 namespace {
@@ -53,19 +54,21 @@ uint64_t geometryFeatures(const WorldGeometry& world) {
            (world.shapes.empty() ? 0u : gpu::bit(gpu::FEATURE_SHAPES));
 }
 
-// Primitives where traversal has to ask whether the ray stops; empty where all are opaque.
-std::vector<uint8_t> nonOpaquePrimitives(const Scene& scene, const WorldGeometry& world) {
+// What traversal has to know of each primitive; empty where that is nothing.
+std::vector<uint8_t> primitiveFlags(const Scene& scene, const WorldGeometry& world, Culling culling) {
     std::vector<uint8_t> result;
-    for (const WorldInstance& instance : world.instances) {
-        if (world.materialOf(scene, instance.material).alphaMode == AlphaMode::opaque) continue;
+    const auto add = [&](size_t first, size_t count, uint32_t material, bool cullable) {
+        const bool asks = world.materialOf(scene, material).alphaMode != AlphaMode::opaque;
+        const bool culled = cullable && culling != Culling::none;
+        const auto flags = static_cast<uint8_t>((asks ? kAsksAccept : 0) | (culled ? kIsSingleSided : 0));
+        if (flags == 0) return;
         result.resize(world.primitiveCount());
-        std::fill_n(result.begin() + instance.firstTriangle, instance.triangleCount, uint8_t{1});
-    }
-    for (size_t i = 0; i < world.shapes.size(); ++i) {
-        if (world.materialOf(scene, world.shapes[i].shape.material).alphaMode == AlphaMode::opaque) continue;
-        result.resize(world.primitiveCount());
-        result[world.triangleCount() + i] = 1;
-    }
+        std::fill_n(result.begin() + static_cast<std::ptrdiff_t>(first), count, flags);
+    };
+    for (const WorldInstance& instance : world.instances)
+        add(instance.firstTriangle, instance.triangleCount, instance.material, isCullable(scene, instance));
+    for (size_t i = 0; i < world.shapes.size(); ++i)
+        add(world.triangleCount() + i, 1, world.shapes[i].shape.material, isCullable(scene, world.shapes[i]));
     return result;
 }
 
@@ -129,7 +132,8 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
                       const RenderSettings& settings, uint64_t extraFeatures, PrepareTimes& times,
                       const GpuScene* like) {
     const auto start = std::chrono::steady_clock::now();
-    const Bvh bvh = buildBvh(world.corners(), nonOpaquePrimitives(scene, world), shapeBoxes(world.shapes));
+    const Bvh bvh =
+        buildBvh(world.corners(), primitiveFlags(scene, world, settings.culling), shapeBoxes(world.shapes));
     times.bvhSeconds += secondsSince(start);
 
     TexturePacker textures(scene);

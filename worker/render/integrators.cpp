@@ -19,9 +19,10 @@ constexpr uint64_t bits(std::initializer_list<uint32_t> features) {
     return mask;
 }
 
-constexpr uint64_t kCameras = bits({gpu::FEATURE_ORTHOGRAPHIC, gpu::FEATURE_THIN_LENS, gpu::FEATURE_PANORAMA,
-                                    gpu::FEATURE_CAMERA_MOTION, gpu::FEATURE_PIXEL_FILTER,
-                                    gpu::FEATURE_SOBOL_SAMPLER, gpu::FEATURE_STRATIFIED_SAMPLER});
+constexpr uint64_t kCameras =
+    bits({gpu::FEATURE_ORTHOGRAPHIC, gpu::FEATURE_THIN_LENS, gpu::FEATURE_PANORAMA,
+          gpu::FEATURE_CAMERA_MOTION, gpu::FEATURE_CULLING, gpu::FEATURE_PIXEL_FILTER,
+          gpu::FEATURE_SOBOL_SAMPLER, gpu::FEATURE_STRATIFIED_SAMPLER});
 // What decides where a ray meets which colour and normal.
 constexpr uint64_t kSurfaces =
     bits({gpu::FEATURE_TEXTURES, gpu::FEATURE_NORMAL_MAPS, gpu::FEATURE_VERTEX_COLORS, gpu::FEATURE_CUTOUT,

@@ -17,6 +17,7 @@
 #include "worker/render/path_rules.h"
 #include "worker/render/raster_pass.h"
 #include "worker/render/sample_parameters.h"
+#include "worker/scene/view_warnings.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm {
@@ -56,6 +57,7 @@ struct Moment {
     glm::dvec3 centre;
     uint64_t degenerateTriangles = 0;
     glm::vec3 lower{0}, upper{0};  // its box
+    BackFaces backFaces;
     uint32_t vertices = 0;         // of a draw
     gpu::FrameParameters parameters{};
     gpu::StorageBuffer parameterBuffer;
@@ -85,6 +87,7 @@ struct Renderer::Impl {
     const FilmLayout layout;
     KernelShape compiled;
     CameraPath camera;
+    std::vector<SceneWarning> warnings;  // of the first moment
     std::vector<Moment> moments;  // in the order of time
     std::optional<RasterPass> raster;
     std::optional<gpu::ComputePipeline> pipeline;
@@ -143,6 +146,7 @@ Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, con
                   world.degenerateTriangles,
                   world.lower,
                   world.upper,
+                  settings.culling == Culling::none ? BackFaces() : BackFaces(scene, world),
                   0,
                   {},
                   gpu::StorageBuffer(device, sizeof(gpu::FrameParameters), "frame parameters"),
@@ -150,6 +154,9 @@ Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, con
     moment.bindings.assign(moment.scene.buffers.begin(), moment.scene.buffers.end());
     moment.bindings.insert(moment.bindings.end(),
                            {moment.parameterBuffer, tileBuffer, filmBuffer, counterBuffer});
+    if (!like)
+        warnings = viewWarnings(scene, world, world.recentred(camera.keys.front()),
+                                double(image.width) / image.height, moment.backFaces, settings.culling);
     if (raster) {
         const auto table = shapeSlotTable(moment.scene.slots, moment.scene.shapeSlots);
         gpu::StorageBuffer slots(device, table.size() * sizeof(uint32_t), "slots of shapes");
@@ -221,6 +228,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         setCameraPath(p, moved, image);
         setSampling(p, settings);
         setPathRules(p, settings);
+        wanted |= setCulling(p, moment.backFaces, moved, settings.culling);
         p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
@@ -436,6 +444,9 @@ const RenderStats& Renderer::stats() const {
 }
 const FeatureReport& Renderer::features() const {
     return impl_->features;
+}
+const std::vector<SceneWarning>& Renderer::warnings() const {
+    return impl_->warnings;
 }
 const PrepareTimes& Renderer::prepareTimes() const {
     return impl_->times;

@@ -87,6 +87,8 @@ public:
     /// Sums over all calls so far.
     const RenderStats& stats() const;
     const FeatureReport& features() const;
+    /// Of what the camera's first picture shows otherwise than the file says (view_warnings.h).
+    const std::vector<SceneWarning>& warnings() const;
     const PrepareTimes& prepareTimes() const;
     uint64_t triangleCount() const;
     /// Left out although the scene names them: collapsed by a transform, or beyond a float.

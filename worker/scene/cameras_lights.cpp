@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "worker/scene/extensions.h"
@@ -30,7 +31,23 @@ float halfSize(const JsonNode& node) {
     return value;
 }
 
-Camera parseCamera(const JsonNode& node) {
+/// A tracer of rays needs no such planes; files whose planes nobody could use are rendered without them.
+void parseClipping(LoadContext& load, const JsonNode& node, Camera& camera) {
+    const JsonNode znear = node["znear"], zfar = node["zfar"];
+    const double nearest = znear.numberOr(0),
+                 farthest = zfar.numberOr(std::numeric_limits<double>::infinity());
+    if (nearest < 0 || farthest <= nearest) {
+        const bool isNegative = nearest < 0;
+        load.warn(isNegative ? "znear" : "zfar", node,
+                  isNegative ? "is below 0, so the camera has none"
+                             : "is not beyond znear, so the camera has neither");
+        return;
+    }
+    camera.znear = static_cast<float>(nearest);
+    camera.zfar = static_cast<float>(farthest);
+}
+
+Camera parseCamera(LoadContext& load, const JsonNode& node) {
     Camera camera;
     camera.name = node["name"].textOr("");
     const std::string& type = node["type"].text();
@@ -43,11 +60,13 @@ Camera parseCamera(const JsonNode& node) {
         if (const JsonNode aspect = perspective["aspectRatio"]) {
             camera.aspect = positive(aspect);
         }
+        parseClipping(load, perspective, camera);
     } else if (type == "orthographic") {
         camera.orthographic = true;
         camera.xmag = halfSize(node["orthographic"]["xmag"]);
         camera.ymag = halfSize(node["orthographic"]["ymag"]);
         camera.aspect = camera.xmag / camera.ymag;
+        parseClipping(load, node["orthographic"], camera);
     } else {
         node["type"].fail(fmt::format("is \"{}\", must be perspective or orthographic", type));
     }
@@ -111,11 +130,11 @@ void warnOfPunctualMembers(LoadContext& load, const JsonNode& node) {
 
 }  // namespace
 
-std::vector<Camera> parseCameras(const JsonNode& root) {
-    const JsonNode nodes = root["cameras"];
+std::vector<Camera> parseCameras(LoadContext& load) {
+    const JsonNode nodes = load.file.root()["cameras"];
     std::vector<Camera> cameras;
     for (size_t i = 0; i < nodes.size(); ++i) {
-        cameras.push_back(parseCamera(nodes[i]));
+        cameras.push_back(parseCamera(load, nodes[i]));
     }
     return cameras;
 }

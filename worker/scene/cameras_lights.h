@@ -7,7 +7,7 @@
 namespace tilefarm {
 
 /// Every camera of the file, not yet placed. Throws Error(invalidArgument) with the place of a fault.
-std::vector<Camera> parseCameras(const JsonNode& root);
+std::vector<Camera> parseCameras(LoadContext& load);
 
 /// A light as it stands in its node's space: an area light where TILEFARM_lights makes it one.
 struct GltfLight {

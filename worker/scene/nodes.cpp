@@ -118,7 +118,7 @@ public:
           meshes_(meshes),
           skins_(skins),
           tree_(load.file.root()),
-          cameras_(parseCameras(load.file.root())),
+          cameras_(parseCameras(load)),
           lights_(parseLights(load)),
           shapes_(load) {}
 

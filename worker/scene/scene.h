@@ -194,6 +194,9 @@ struct Camera {
     float aspect = 0;       // width / height, 0: the image's own
     float ymag = 1;         // half height in metres, orthographic
     float xmag = 1;
+    float znear = 0;  // m along the view direction, as the file has it
+    float zfar = std::numeric_limits<float>::infinity();
+    bool clips = false;        // what lies before znear or beyond zfar is not seen
     bool panorama = false;     // every direction, equirectangular
     float apertureRadius = 0;  // m, of a perspective camera's lens; 0: a pinhole
     float focusDistance = 1;   // m, to the plane in focus, along the view direction

@@ -51,6 +51,7 @@ struct Timeline::Impl {
             if (!now.cameras.empty()) camera = selectCamera(now, spec.camera, aspect);
         }
         camera = fitted(camera, spec.settings.cameraFit, aspect);
+        camera.clips = spec.settings.cameraClip;
         setLens(camera, spec.view, aspect, middle);
         if (spec.motion.turntable == 0) return camera;
         return turnedAround(camera, middle, spec.motion.turntable * (frame + share * spec.motion.shutter));

@@ -120,6 +120,7 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"frames": {"list": "1,x"}})", "/frames/list"},
         {R"({"frames": {"list": "1,5,9", "count": 4}})", "/frames/count"},
         {R"({"frames": {"list": "1,5,9", "first": 2}})", "/frames/first"},
+        {R"({"settings": {"culling": "back"}})", "/settings/culling"},
         {R"({"settings": {"cameraFit": "crop"}})", "/settings/cameraFit"},
         {R"({"settings": {"lightUnits": "lumen"}})", "/settings/lightUnits"},
         {R"({"priority": 101})", "/priority"},

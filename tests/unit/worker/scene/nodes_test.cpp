@@ -197,6 +197,26 @@ TEST_F(NodesTest, DividesLightsInLumensByWhatAWattHas) {
     EXPECT_EQ(load().lights[0].color.x, 683);
 }
 
+TEST_F(NodesTest, ReadsTheClippingPlanesOfCameras) {
+    builder.set("/cameras", R"([
+        {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.25}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 8}},
+        {"type": "perspective", "perspective": {"yfov": 1, "znear": 5, "zfar": 5}}])");
+    for (uint32_t i = 0; i < 3; ++i) {
+        builder.set(fmt::format("/nodes/{}/camera", i + 1), i);
+        builder.set(fmt::format("/scenes/0/nodes/{}", i + 1), i + 1);
+    }
+    const Scene scene = load();
+    ASSERT_EQ(scene.cameras.size(), 3u);
+    EXPECT_EQ(scene.cameras[0].znear, 0.25f);
+    EXPECT_TRUE(std::isinf(scene.cameras[0].zfar));
+    EXPECT_EQ(scene.cameras[1].znear, 0);
+    EXPECT_EQ(scene.cameras[1].zfar, 8);
+    EXPECT_TRUE(std::isinf(scene.cameras[2].zfar)) << "planes that leave nothing are none";
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_EQ(scene.warnings[0].feature, "zfar");
+}
+
 TEST_F(NodesTest, InstancesAMeshOnTheGpusBehalf) {
     const std::string attributes = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/";
     builder.set("/nodes/0/translation", "[0, 0, 10]");
