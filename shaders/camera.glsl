@@ -76,9 +76,8 @@ vec3 panoramaDirection(CameraPose pose, vec2 ndc) {
            sin(latitude) * normalize(pose.up);
 }
 
-void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) {
-    vec2 ndc = vec2(2.0, -2.0) * raster / vec2(parameters.image.xy) + vec2(-1.0, 1.0);
-    CameraPose pose = cameraPose(key);
+// Of a pose, whatever rounded it, the ray is the same bits in every kernel.
+void rayFrom(CameraPose pose, SampleKey key, vec2 ndc, out vec3 origin, out vec3 direction) {
     precise vec3 offset = ndc.x * pose.right + ndc.y * pose.up;
     origin = pose.origin;
     if (has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC) {
@@ -88,13 +87,19 @@ void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) 
         direction = normalize(panoramaDirection(pose, ndc));
     } else {
         precise vec3 through = pose.forward + offset;
+        vec3 towards = through;
         if (has(FEATURE_THIN_LENS) && parameters.lens.x > 0.0) {
             vec3 shift = lensShift(key, pose);
             origin = pose.origin + shift;
-            through = through - shift * parameters.lens.y;  // all through one point of the plane in focus
+            towards = through - shift * parameters.lens.y;  // all through one point of the plane in focus
         }
-        direction = normalize(through);
+        direction = normalize(towards);
     }
+}
+
+void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) {
+    vec2 ndc = vec2(2.0, -2.0) * raster / vec2(parameters.image.xy) + vec2(-1.0, 1.0);
+    rayFrom(cameraPose(key), key, ndc, origin, direction);
 }
 
 // Whether rays other than the camera's pass back faces.

@@ -31,6 +31,7 @@
 
 #include "gpu_types.h"
 #include "load.glsl"
+#include "precise.glsl"
 
 const uint kNoPrimitive = 0xffffffffu;
 

@@ -2,12 +2,14 @@
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 
+#include "precise.glsl"
+
 #define INFINITY uintBitsToFloat(0x7f800000u)
 const float PI = 3.14159265358979;
 const float INV_PI = 0.318309886183791;
 const float TWO_PI = 6.28318530717959;
 
-float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
+float luminance(vec3 c) { return preciseDot(c, vec3(0.2126, 0.7152, 0.0722)); }
 float maxComponent(vec3 c) { return max(c.x, max(c.y, c.z)); }
 bool isFinite(vec3 v) { return !(any(isnan(v)) || any(isinf(v))); }
 

@@ -30,6 +30,7 @@ float gtr1Visibility(vec3 wo, vec3 wi) {
 // Normals with the density D cosθh: cos²θh = (1 − α^(2 − 2u)) / (1 − α²), with sin² not taken from it.
 vec3 gtr1SampleNormal(float alpha, vec2 u) {
     float a2 = alpha * alpha;
+    // lint pow: gtr1Alpha keeps α² at 1e-6 or above
     float sinSquared = 1.0 - a2 > 1e-3 ? (pow(a2, 1.0 - u.x) - a2) / (1.0 - a2) : u.x;
     sinSquared = clamp(sinSquared, 0.0, 1.0);
     float r = sqrt(sinSquared), phi = TWO_PI * u.y;

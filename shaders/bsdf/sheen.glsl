@@ -19,7 +19,7 @@ float charlieL(float x, float alpha) {
     float t = (1.0 - alpha) * (1.0 - alpha);
     float a = mix(21.5473, 25.3245, t), b = mix(3.82987, 3.32435, t), c = mix(0.19823, 0.16801, t);
     float d = mix(-1.97760, -1.27393, t), e = mix(-4.32054, -4.85967, t);
-    return a / (1.0 + b * pow(x, c)) + d * x + e;
+    return a / (1.0 + b * pow(x, c)) + d * x + e;  // lint pow: c is at least 0.168
 }
 
 float charlieLambda(float cosTheta, float alpha) {

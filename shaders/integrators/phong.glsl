@@ -39,6 +39,7 @@ PhongPoint phongAt(MaterialPoint m, bool frontFace, float cosTheta) {
 vec3 phongEval(PhongPoint p, vec3 wo, vec3 wi, float highlight) {
     if (wi.z <= 0.0) return vec3(0);
     float towards = max(dot(wo, vec3(-wi.xy, wi.z)), 0.0);
+    // lint pow: the exponent is at least 1
     float lobe = highlight * (p.exponent + 2.0) * (0.5 * INV_PI) * pow(towards, p.exponent);
     return (p.diffuse * INV_PI + p.reflected * lobe) * wi.z;
 }

@@ -60,6 +60,7 @@ vec3 environmentSample(uvec4 bits, out vec3 radiance, out float pdf) {
     pdf = value.a;
     if (environmentTurned()) uv.x = turned(uv.x, -parameters.environmentPdf.z);
     float phi = (uv.x - 0.5) * TWO_PI, theta = uv.y * PI;
+    // lint turns: uv is within the map
     return vec3(sin(theta) * cos(phi), cos(theta), sin(theta) * sin(phi));
 }
 

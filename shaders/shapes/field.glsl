@@ -59,9 +59,10 @@ float mandelbulbDistance(vec3 p, float power, uint iterations) {
     float derivative = 1.0, r = length(z);
     for (uint i = 0u; i < iterations && r < 2.0; ++i) {
         if (r < 1e-6) return -1e-6;
-        float theta = acos(clamp(z.z / r, -1.0, 1.0)) * power, phi = atan(z.y, z.x) * power;
-        derivative = pow(r, power - 1.0) * power * derivative + 1.0;
+        float theta = atan(length(z.xy), z.z) * power, phi = atan(z.y, z.x) * power;
+        derivative = pow(r, power - 1.0) * power * derivative + 1.0;  // lint pow: r >= 1e-6
         float s = sin(theta);
+        // lint pow: r >= 1e-6
         z = pow(r, power) * vec3(s * cos(phi), s * sin(phi), cos(theta)) + p;
         r = length(z);
     }

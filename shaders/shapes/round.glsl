@@ -46,7 +46,7 @@ bool cylinderCrossings(vec3 f, vec3 d, vec3 size, out vec2 s) {
     precise float ahead = 0.0;
     precise vec3 start = f;
     if (dot(f, f) > 16.0 * dot(size, size)) {
-        ahead = -dot(f, d) / dot(d, d);
+        ahead = -preciseDot(f, d) / preciseDot(d, d);
         start = f + ahead * d;
     }
     vec2 slab = slabCrossings(start.y, d.y, size.x), side = coneCrossings(start, d, coneSide(size));

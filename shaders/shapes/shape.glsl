@@ -48,8 +48,8 @@ ShapeRay shapeRay(uint shape, ShapeHead head, vec3 origin, vec3 direction) {
     precise vec3 f = origin - vec3(x.w, y.w, z.w);
     precise vec3 d = direction;
     if (head.kind != SHAPE_SPHERE) {
-        f = vec3(dot(x.xyz, f), dot(y.xyz, f), dot(z.xyz, f));
-        d = vec3(dot(x.xyz, d), dot(y.xyz, d), dot(z.xyz, d));
+        f = preciseRows(x.xyz, y.xyz, z.xyz, f);
+        d = preciseRows(x.xyz, y.xyz, z.xyz, d);
     }
     vec3 size = abs(d);
     uint exponent = clamp(floatBitsToUint(max(size.x, max(size.y, size.z))) >> 23u, 1u, 253u);
@@ -266,14 +266,14 @@ ShapePoint shapePointAt(uint shape, vec3 origin, vec3 direction, float t) {
     ShapePoint result;
     result.uv = o.uv;
     result.material = head.material;
-    precise vec3 offset;
+    vec3 offset;
     if (head.kind == SHAPE_SPHERE) {
         // Without a matrix on the way: as round as floats can be.
         result.normal = normalize(rayPosition(shape, head, ray, s));
-        offset = result.normal * toX.w;
+        offset = preciseScaled(result.normal, toX.w);
         result.error = roundings(10.0) * abs(offset);
     } else {
-        offset = vec3(dot(toX.xyz, o.position), dot(toY.xyz, o.position), dot(toZ.xyz, o.position));
+        offset = preciseRows(toX.xyz, toY.xyz, toZ.xyz, o.position);
         result.normal = normalize(o.normal.x * x.xyz + o.normal.y * y.xyz + o.normal.z * z.xyz);
         // There: the products and sums of the matrix. Back: the same of its inverse, which the matrix brings to the
         // world; and that the two are inverse but for their rounding.
