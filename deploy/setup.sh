@@ -23,6 +23,7 @@ packages=(
     libsqlite3-dev libsqlitecpp-dev libcli11-dev libspdlog-dev prometheus-cpp-dev libstb-dev
     libzip-dev libmurmurhash-dev libjpeg62-turbo-dev libpng-dev ffmpeg
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3 python3-jsonschema sqlite3
+    universal-ctags
 )
 # For the validator of the API's description, tests/e2e/openapi_test.py; where Node.js came from elsewhere, it has npm.
 command -v npm >/dev/null || packages+=(npm)
