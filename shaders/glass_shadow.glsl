@@ -9,10 +9,6 @@ bool shadowMeets(Ray ray, out Hit hit) {
     return closestHit(ray, hit);
 }
 
-uint materialFlagsAt(Hit hit) {
-    return LOAD(materialTexels, loadPrimitive(hit.primitive).material * MATERIAL_TEXELS + 3u).y;
-}
-
 Surface surfaceInShadow(Hit hit, Ray ray) {
     float size = length(ray.direction);
     ray.direction /= size;

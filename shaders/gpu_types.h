@@ -147,6 +147,7 @@ GPU_CONSTANT MATERIAL_GTR1 = 1u << 10;
 GPU_CONSTANT MATERIAL_DISNEY_DIFFUSE = 1u << 11;
 GPU_CONSTANT MATERIAL_INTERFACE = 1u << 12;  // reflects or transmits by microfacets: calls for FEATURE_SPECULAR
 GPU_CONSTANT MATERIAL_PANE = 1u << 13;       // thin-walled glass that may be smooth: light goes straight through
+GPU_CONSTANT MATERIAL_SOLID_GLASS = 1u << 14;  // that may be smooth: behind it no path finds a light without extent
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -271,11 +272,12 @@ GPU_CONSTANT COUNTER_COUNT = COUNTER_FIRST_DROPPED + 2 * RECORDED_SAMPLES;
 GPU_CONSTANT TILE_REJECTED = 0;   // paths that ended on a direction without probability or in too many solids
 GPU_CONSTANT TILE_TRUNCATED = 1;  // paths that still carried light where the bounce limit ended them
 GPU_CONSTANT TILE_CLAMPED = 2;    // samples that FEATURE_CLAMP bounded
+GPU_CONSTANT TILE_BEHIND_GLASS = 3;  // samples of lights without extent that ended at smooth solid glass
 // Sums in fixed point: SUM_LIMBS words that count 2^-32, 2^-20, 2^-8 … (shaders/counters.glsl).
 GPU_CONSTANT SUM_LIMB_BITS = 12;
 GPU_CONSTANT SUM_LIMBS = 6;
 #define EXACT_SUM_LARGEST 2147483648.0       // of one term: 2^31
-GPU_CONSTANT TILE_CLAMPED_RADIANCE = 3;      // luminance that FEATURE_CLAMP took away, summed over samples
+GPU_CONSTANT TILE_CLAMPED_RADIANCE = 4;      // luminance that FEATURE_CLAMP took away, summed over samples
 GPU_CONSTANT TILE_TRUNCATED_THROUGHPUT = TILE_CLAMPED_RADIANCE + SUM_LIMBS;  // largest channel of what truncated paths carried
 GPU_CONSTANT TILE_RAYS = TILE_TRUNCATED_THROUGHPUT + SUM_LIMBS;
 GPU_CONSTANT TILE_COUNTERS = TILE_RAYS + SUM_LIMBS;

@@ -340,7 +340,9 @@ bool closestHit(Ray ray, out Hit hit) {
     return true;
 }
 
-bool anyHit(Ray ray) {
+// `primitive`: of any hit.
+bool anyHit(Ray ray, out uint primitive) {
+    primitive = kNoPrimitive;
     if (!isTraceable(ray)) return false;
     BoxRay box = makeBoxRay(ray);
     ShearRay shear = makeShearRay(ray);
@@ -367,7 +369,13 @@ bool anyHit(Ray ray) {
         }
         if (pop) current = waiting[--top];
     }
-    return best.primitive != kNoPrimitive;
+    primitive = best.primitive;
+    return primitive != kNoPrimitive;
+}
+
+bool anyHit(Ray ray) {
+    uint primitive;
+    return anyHit(ray, primitive);
 }
 
 #endif

@@ -15,7 +15,7 @@ layout(std430, binding = BINDING_COUNTERS) buffer Counters { uint counters[]; };
 
 uint rayCount = 0u;
 // Of paths, see TILE_* in gpu_types.h.
-uint rejectedCount = 0u, truncatedCount = 0u, clampedCount = 0u;
+uint rejectedCount = 0u, truncatedCount = 0u, clampedCount = 0u, behindGlassCount = 0u;
 ExactSum truncatedThroughput = ExactSum(0u, 0u), clampedRadiance = ExactSum(0u, 0u);
 
 bool acceptHit(uint primitive, vec2 barycentrics, uint key);
@@ -54,9 +54,20 @@ Ray shadowRay(LightSample l, uint primitive, uint key) {
     return ray;
 }
 
+uint materialFlagsOf(uint primitive) { return LOAD(materialTexels, loadPrimitive(primitive).material * MATERIAL_TEXELS + 3u).y; }
+
+// Something stands in a light's way. Through smooth solid glass no path finds a light without extent.
+void noteShadow(LightSample l, uint primitive) {
+    if (!has(FEATURE_TRANSMISSION) || !has(FEATURE_PUNCTUAL_LIGHTS) || l.pdf > 0.0) return;
+    if ((materialFlagsOf(primitive) & MATERIAL_SOLID_GLASS) != 0u) behindGlassCount++;
+}
+
 bool occluded(LightSample l, uint primitive, uint key) {
     rayCount++;
-    return anyHit(shadowRay(l, primitive, key));
+    uint other;
+    if (!anyHit(shadowRay(l, primitive, key), other)) return false;
+    noteShadow(l, other);
+    return true;
 }
 
 #endif

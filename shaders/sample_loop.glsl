@@ -56,6 +56,7 @@ void main() {
         addToCounter(ofTile + TILE_TRUNCATED, truncatedCount);
         addToCounter(ofTile + TILE_TRUNCATED_THROUGHPUT, truncatedThroughput);
     }
+    if (behindGlassCount != 0u) addToCounter(ofTile + TILE_BEHIND_GLASS, behindGlassCount);
     if (has(FEATURE_CLAMP) && clampedCount != 0u) {
         addToCounter(ofTile + TILE_CLAMPED, clampedCount);
         addToCounter(ofTile + TILE_CLAMPED_RADIANCE, clampedRadiance);

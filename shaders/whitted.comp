@@ -43,7 +43,10 @@ vec3 inSight(LightSample l, uint primitive, uint key) {
     vec3 left = vec3(1);
     Hit hit;
     for (uint panes = 0u; shadowMeets(ray, hit); panes++) {
-        if (panes == MOST_PANES || (materialFlagsAt(hit) & MATERIAL_PANE) == 0u) return vec3(0);
+        if (panes == MOST_PANES || (materialFlagsOf(hit.primitive) & MATERIAL_PANE) == 0u) {
+            noteShadow(l, hit.primitive);
+            return vec3(0);
+        }
         Surface s = surfaceInShadow(hit, ray);
         left *= phongAt(materialAt(s), s.frontFace, max(-dot(normalize(ray.direction), s.frame[2]), 0.0)).through;
         goBehind(s, l, ray);

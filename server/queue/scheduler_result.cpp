@@ -23,6 +23,7 @@ void addFaults(JobRow& job, const FrameRow& frame, const PassFaults& faults) {
     job.truncatedThroughput += faults.truncatedThroughput;
     job.clampedSamples += faults.clampedSamples;
     job.clampedLuminance += faults.clampedLuminance;
+    job.lightsBehindGlass += faults.lightsBehindGlass;
     for (const DroppedSample& s : faults.dropped)
         if (job.faultSamples.size() < kMostDropped)
             job.faultSamples.push_back(std::to_string(frame.frame) + ' ' + std::to_string(s.x) + ' ' +

@@ -57,6 +57,7 @@ std::vector<std::string> noticesOf(const JobRow& job) {
     PassFaults faults;
     faults.truncatedPaths = job.truncatedPaths;
     faults.truncatedThroughput = job.truncatedThroughput;
+    faults.lightsBehindGlass = job.lightsBehindGlass;
     return noticesOf(faults, job.pixelSamplesMerged);
 }
 
@@ -72,6 +73,7 @@ json numericsOf(const JobRow& job) {
             {"clampedSamples", job.clampedSamples},
             {"clampedLuminance", perPath(job.clampedLuminance)},
             {"clampedPercent", light > 0 ? 100 * job.clampedLuminance / light : 0},
+            {"lightsBehindGlass", job.lightsBehindGlass},
             {"samples", samplesOf(job)}};
 }
 

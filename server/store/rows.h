@@ -39,7 +39,7 @@ struct JobRow {
     uint64_t droppedSamples = 0;
     std::vector<std::string> faults;
     // PassFaults of shared/film/film.h, of all merged passes.
-    uint64_t rejectedPaths = 0, truncatedPaths = 0, clampedSamples = 0;
+    uint64_t rejectedPaths = 0, truncatedPaths = 0, clampedSamples = 0, lightsBehindGlass = 0;
     double truncatedThroughput = 0, clampedLuminance = 0;
     double keptLuminance = 0;               // of all samples, summed up; counted where settings clamp
     std::vector<std::string> faultSamples;  // "frame x y sample" of the first dropped samples

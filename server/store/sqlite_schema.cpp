@@ -227,7 +227,12 @@ CREATE TABLE deaths (
 ) WITHOUT ROWID;
 )sql";
 
-constexpr std::array kMigrations{kFirst, kFaults, kLightLeftOut, kLightKept, kNarrowLookups, kDeaths};
+constexpr const char* kLightsBehindGlass = R"sql(
+ALTER TABLE jobs ADD COLUMN lights_behind_glass INTEGER NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array kMigrations{kFirst,         kFaults, kLightLeftOut,     kLightKept,
+                                 kNarrowLookups, kDeaths, kLightsBehindGlass};
 
 }  // namespace
 

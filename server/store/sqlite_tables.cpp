@@ -55,6 +55,7 @@ struct Jobs : JobTable {
         if (!q.null(29)) row.suspectFrame = q.number<int32_t>(29);
         row.diedOn = splitLines(q.text(30));
         row.setAside = q.text(31);
+        row.lightsBehindGlass = q.number<uint64_t>(32);
         return row;
     }
     static std::optional<JobRow> first(Query& q) { return q.next() ? std::optional(row(q)) : std::nullopt; }
@@ -110,14 +111,14 @@ struct Jobs : JobTable {
     }
     JobKey insert(const JobRow& row) override {
         auto q = c.query(
-            "INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+            "INSERT INTO jobs VALUES (NULL,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
         q.with(row.id, toString(row.state), row.priority, row.specJson, keyOrNull(row), row.bodyDigest,
                row.created, row.started, row.finished, row.passes, row.passesMerged, row.pixelSamples,
                row.pixelSamplesMerged, row.frames, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
                row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.suspectFrame,
-               joinLines(row.diedOn), row.setAside)
+               joinLines(row.diedOn), row.setAside, row.lightsBehindGlass)
             .run();
         return c.db().getLastInsertRowid();
     }
@@ -128,13 +129,13 @@ struct Jobs : JobTable {
             "relative_error=?, device_seconds=?, "
             "dropped_samples=?, faults=?, rejected_paths=?, truncated_paths=?, fault_samples=?, "
             "truncated_throughput=?, clamped_samples=?, clamped_luminance=?, kept_luminance=?, "
-            "suspect_frame=?, died_on=?, set_aside=? WHERE key=?");
+            "suspect_frame=?, died_on=?, set_aside=?, lights_behind_glass=? WHERE key=?");
         q.with(toString(row.state), row.priority, row.started, row.finished, row.passesMerged,
                row.pixelSamplesMerged, row.framesStarted, row.framesDone, row.samplesMerged,
                row.relativeError, row.deviceSeconds, row.droppedSamples, joinLines(row.faults),
                row.rejectedPaths, row.truncatedPaths, joinLines(row.faultSamples), row.truncatedThroughput,
                row.clampedSamples, row.clampedLuminance, row.keptLuminance, row.suspectFrame,
-               joinLines(row.diedOn), row.setAside, row.key)
+               joinLines(row.diedOn), row.setAside, row.lightsBehindGlass, row.key)
             .run();
     }
 };

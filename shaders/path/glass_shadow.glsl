@@ -22,7 +22,10 @@ vec3 throughPanes(LightSample l, Surface from, uint key, Medium medium, uint cha
     vec3 left = vec3(1);
     Hit hit;
     for (uint panes = 0u; shadowMeets(ray, hit); panes++) {
-        if (panes == MOST_PANES || (materialFlagsAt(hit) & MATERIAL_PANE) == 0u) return vec3(0);
+        if (panes == MOST_PANES || (materialFlagsOf(hit.primitive) & MATERIAL_PANE) == 0u) {
+            noteShadow(l, hit.primitive);
+            return vec3(0);
+        }
         Surface s = surfaceInShadow(hit, ray);
         left *= throughPane(s, ray.direction, medium, channel);
         if (!(maxComponent(left) > 0.0)) return vec3(0);

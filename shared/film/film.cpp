@@ -134,6 +134,7 @@ void PassFaults::add(const PassFaults& other) {
     truncatedThroughput += other.truncatedThroughput;
     clampedSamples += other.clampedSamples;
     clampedLuminance += other.clampedLuminance;
+    lightsBehindGlass += other.lightsBehindGlass;
     for (const DroppedSample& sample : other.dropped)
         if (dropped.size() < kMostDropped) dropped.push_back(sample);
 }

@@ -40,6 +40,7 @@ struct PassFaults {
     double truncatedThroughput = 0;      // largest channel of what they carried, summed up
     uint64_t clampedSamples = 0;         // that settings.clampDirect or clampIndirect bounded
     double clampedLuminance = 0;         // that it took away, summed up, W/(sr m²)
+    uint64_t lightsBehindGlass = 0;      // samples of lights without extent that ended at smooth solid glass
     std::vector<DroppedSample> dropped;  // the first few
     /// Keeps at most `kMostDropped` samples.
     void add(const PassFaults& other);

@@ -14,6 +14,12 @@ std::vector<std::string> noticesOf(const PassFaults& faults, uint64_t paths) {
             "what light they would have found is missing (settings.maxBounces)",
             percent * static_cast<double>(faults.truncatedPaths), percent * faults.truncatedThroughput));
     }
+    if (faults.lightsBehindGlass > 0)
+        notices.push_back(fmt::format(
+            "{} samples of lights without extent ended at smooth solid glass, through which no path finds "
+            "such "
+            "lights: what it shades is too dark unless the lights get a size or the glass is thin",
+            faults.lightsBehindGlass));
     return notices;
 }
 

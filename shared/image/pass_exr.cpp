@@ -28,6 +28,7 @@ static_assert(std::endian::native == std::endian::little, "EXR is little endian"
 constexpr uint32_t kFormat = 2, kLongNames = 0x400, kMultiPart = 0x1000;
 constexpr int32_t kFloat = 2;  // pixel type
 constexpr size_t kMostParts = 1 << 18;
+constexpr uint64_t kMostLightSamples = uint64_t{1} << 48;  // sums over a job's passes stay below 2^63
 constexpr size_t kChunkHeader = 3 * sizeof(int32_t);
 constexpr std::string_view kPrefix = "tilefarm.";
 constexpr std::string_view kTile = "tilefarm.pass.tile", kFirst = "tilefarm.pass.first",
@@ -36,6 +37,7 @@ constexpr std::string_view kTile = "tilefarm.pass.tile", kFirst = "tilefarm.pass
                            kThroughput = "tilefarm.pass.truncatedThroughput",
                            kClamped = "tilefarm.pass.clamped",
                            kClampedLuminance = "tilefarm.pass.clampedLuminance",
+                           kBehindGlass = "tilefarm.pass.lightsBehindGlass",
                            kDropped = "tilefarm.pass.dropped";
 
 struct Channel {
@@ -182,6 +184,7 @@ void writeFaults(Writer& out, const PassFaults& faults) {
         out.attribute(kClamped, "tilefarm", faults.clampedSamples);
         out.attribute(kClampedLuminance, "tilefarm", faults.clampedLuminance);
     }
+    if (faults.lightsBehindGlass > 0) out.attribute(kBehindGlass, "tilefarm", faults.lightsBehindGlass);
     if (faults.dropped.empty()) return;
     const auto* bytes = reinterpret_cast<const char*>(faults.dropped.data());
     out.attribute(kDropped, "tilefarm",
@@ -263,7 +266,7 @@ struct PartHeader {
     std::optional<Box> dataWindow, displayWindow;
     std::optional<std::string_view> type;
     std::optional<int32_t> tile, first, count;
-    std::optional<uint64_t> rejected, truncated, clamped;
+    std::optional<uint64_t> rejected, truncated, clamped, behindGlass;
     std::optional<double> throughput, clampedLuminance;
     std::vector<DroppedSample> dropped;
     ImageAttributes attributes;
@@ -299,6 +302,7 @@ void setAttribute(PartHeader& h, std::string_view name, std::string_view type, s
     if (name == kThroughput) setFixed(h.throughput, name, value);
     if (name == kClamped) setFixed(h.clamped, name, value);
     if (name == kClampedLuminance) setFixed(h.clampedLuminance, name, value);
+    if (name == kBehindGlass) setFixed(h.behindGlass, name, value);
     if (name == kDropped) setDropped(h, value);
     if (type == "string" && name.starts_with(kPrefix))
         h.attributes[std::string(name.substr(kPrefix.size()))] = std::string(value);
@@ -339,13 +343,20 @@ PassFilm filmOf(const PartHeader& h) {
     film.samples = {static_cast<uint32_t>(*h.first), static_cast<uint32_t>(*h.count)};
     film.rect = {static_cast<uint32_t>(d.minX), static_cast<uint32_t>(d.minY),
                  static_cast<uint32_t>(d.maxX - d.minX + 1), static_cast<uint32_t>(d.maxY - d.minY + 1)};
-    film.faults = {h.rejected.value_or(0), h.truncated.value_or(0),        h.throughput.value_or(0),
-                   h.clamped.value_or(0),  h.clampedLuminance.value_or(0), h.dropped};
+    film.faults = {h.rejected.value_or(0),
+                   h.truncated.value_or(0),
+                   h.throughput.value_or(0),
+                   h.clamped.value_or(0),
+                   h.clampedLuminance.value_or(0),
+                   h.behindGlass.value_or(0),
+                   h.dropped};
     // More paths than were rendered end in no way.
     const uint64_t paths = film.rect.area() * film.samples.count;
     require(film.faults.truncatedPaths <= paths && film.faults.rejectedPaths <= paths &&
                 film.faults.clampedSamples <= paths,
             "it counts more faults than paths");
+    require(film.faults.lightsBehindGlass <= kMostLightSamples,
+            "it counts more samples of lights than there can be");
     for (const double sum : {film.faults.truncatedThroughput, film.faults.clampedLuminance})
         require(std::isfinite(sum) && sum >= 0, "its sums of light left out are no such sums");
     for (const DroppedSample& sample : film.faults.dropped)

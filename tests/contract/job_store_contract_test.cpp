@@ -106,6 +106,7 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         job.clampedSamples = 13;
         job.clampedLuminance = 0.75;
         job.keptLuminance = 2.25;
+        job.lightsBehindGlass = 14;
         job.faultSamples = {"0 1 2 3", "4 5 6 7"};
         job.suspectFrame = -3;
         job.diedOn = {"one", "two"};
@@ -134,6 +135,7 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.clampedSamples, 13u);
         EXPECT_EQ(found.clampedLuminance, 0.75);
         EXPECT_EQ(found.keptLuminance, 2.25);
+        EXPECT_EQ(found.lightsBehindGlass, 14u);
         EXPECT_EQ(found.faultSamples, (std::vector<std::string>{"0 1 2 3", "4 5 6 7"}));
         EXPECT_EQ(t.jobs.find("a")->key, key);
         EXPECT_FALSE(t.jobs.find("b"));

@@ -232,6 +232,25 @@ TEST_F(GlassShadowTest, SixteenPanesInAFurnaceKeepTheirLight) {
     EXPECT_NEAR(found + film.faults.truncatedThroughput / (64 * 64), 1, 1e-3);
 }
 
+TEST_F(GlassShadowTest, WhatSolidGlassTakesOfLampsIsCounted) {
+    // Half of the floor lies under a block of glass, beside a wall that casts a shadow without being glass.
+    const auto counted = [&](float angularRadius, bool withPanes) {
+        Scene scene = floorScene();
+        Material block = pane();
+        block.thickness = 1;
+        addMesh(scene, quadMesh({0, 2, 5}, {5, 0, 0}, {0, 0, -10}), block);
+        addMesh(scene, quadMesh({-5, 2, 5}, {2.5, 0, 0}, {0, 0, -10}), matte(glm::vec3(1)));
+        if (withPanes) addMesh(scene, level(1.5f, 30), pane());
+        scene.lights = {sunLight({0, -1, 0}, angularRadius, 1)};
+        const Camera camera = cameraAt({0, 1, 1e-4}, {0, 0, 0}, 2 * std::atan(4));
+        Renderer renderer(device, scene, camera, square(8), bounces(1));
+        return renderer.render(0, std::vector<uint32_t>{0}, {0, 4}).front().faults.lightsBehindGlass;
+    };
+    EXPECT_EQ(counted(0, false), 4u * 32);
+    EXPECT_EQ(counted(0, true), 4u * 32);
+    EXPECT_EQ(counted(0.01f, false), 0u) << "of a sun that has a size";
+}
+
 /// Cases that were reported.
 class SharedGlass : public GlassShadowTest {
 protected:

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shared/error/error.h"
+#include "worker/render/hidden_lights.h"
 #include "worker/render/output_features.h"
 #include "worker/scene/timeline.h"
 
@@ -60,6 +61,8 @@ public:
         prepared.warnings.insert(prepared.warnings.end(), ofView.begin(), ofView.end());
         prepared.features = renderer_->features();
         addWarnings(prepared.features, prepared.warnings);
+        for (SceneWarning& warning : hiddenLights(scene, spec.settings))
+            prepared.warnings.push_back(std::move(warning));
         prepared.loadSeconds = loading.count();
         prepared.times = renderer_->prepareTimes();
         timeline_->release();

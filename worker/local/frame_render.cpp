@@ -105,6 +105,7 @@ private:
         now.faults.truncatedThroughput -= before_.faults.truncatedThroughput;
         now.faults.clampedSamples -= before_.faults.clampedSamples;
         now.faults.clampedLuminance -= before_.faults.clampedLuminance;
+        now.faults.lightsBehindGlass -= before_.faults.lightsBehindGlass;
         auto& dropped = now.faults.dropped;
         dropped.erase(dropped.begin(),
                       dropped.begin() + static_cast<std::ptrdiff_t>(before_.faults.dropped.size()));

@@ -62,6 +62,7 @@ json numericsJson(const JobSpec& spec, const RenderedFrame& frame) {
             {"clampedSamples", stats.faults.clampedSamples},
             {"clampedLuminance", perPath(removed)},
             {"clampedPercent", removed > 0 && light > 0 ? 100 * removed / light : 0},
+            {"lightsBehindGlass", stats.faults.lightsBehindGlass},
             {"samples", samples}};
 }
 

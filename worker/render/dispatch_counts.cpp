@@ -42,6 +42,7 @@ void DispatchCounts::addTile(size_t tile, PassFaults& faults) const {
     faults.truncatedPaths += counts[gpu::TILE_TRUNCATED];
     faults.truncatedThroughput += sumAt(counts, gpu::TILE_TRUNCATED_THROUGHPUT);
     faults.clampedSamples += counts[gpu::TILE_CLAMPED];
+    faults.lightsBehindGlass += counts[gpu::TILE_BEHIND_GLASS];
     faults.clampedLuminance += sumAt(counts, gpu::TILE_CLAMPED_RADIANCE);
 }
 

@@ -31,10 +31,11 @@ bool mayBeSmooth(const Material& m) {
 /// What shadow rays have to know of glass.
 uint32_t glassFlags(const Material& m, const RenderSettings& settings) {
     const bool metal = m.metallic == 1 && !m.metallicRoughnessTexture;
-    if (m.unlit || metal || m.transmission == 0 || m.thickness > 0) return 0;
-    const bool clear =
-        mayBeSmooth(m) || settings.integrator == Integrator::whitted;  // which knows no rough panes
-    return clear ? gpu::MATERIAL_PANE : 0;
+    const bool whitted = settings.integrator == Integrator::whitted;  // which knows no rough glass
+    if (m.unlit || metal || m.transmission == 0 || !(mayBeSmooth(m) || whitted)) return 0;
+    if (m.thickness == 0) return gpu::MATERIAL_PANE;
+    // Paths that are regularised meet it as rough glass, where they find every light.
+    return settings.regularisation > 0 && !whitted ? 0 : gpu::MATERIAL_SOLID_GLASS;
 }
 
 bool tintsSpecular(const Material& m) {
@@ -85,6 +86,10 @@ uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
     if (m.dispersion > 0 && refracts(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
     if ((glassFlags(m, settings) & gpu::MATERIAL_PANE) != 0) features |= gpu::bit(gpu::FEATURE_GLASS_SHADOWS);
     return features;
+}
+
+bool hidesLights(const Material& m, const RenderSettings& settings) {
+    return (glassFlags(m, settings) & gpu::MATERIAL_SOLID_GLASS) != 0;
 }
 
 InterfaceKind interfaceKind(const Material& m, const RenderSettings& settings) {

@@ -12,6 +12,9 @@ namespace tilefarm {
 /// transmission and all that varies them. Zero for a matte surface.
 uint64_t interfaceFeatures(const Material& material, const RenderSettings& settings);
 
+/// Whether it may be smooth solid glass, through which no path finds a light without extent.
+bool hidesLights(const Material& material, const RenderSettings& settings);
+
 /// Which albedo tables it reads.
 InterfaceKind interfaceKind(const Material& material, const RenderSettings& settings);
 

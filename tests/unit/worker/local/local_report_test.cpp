@@ -16,7 +16,7 @@ struct LocalReportTest : testing::Test {
         scene.warnings = {{"KHR_materials_sheen", "materials/3 (Cloth)", "rendered without sheen"}};
         scene.features = {{"environment"}, {"textures"}, {}};
         scene.loadSeconds = 0.5;
-        frame.stats = {2.0, 1000, 4000, 7, {3, 250, 50, 20, 5, {{5, 6, 11}}}};
+        frame.stats = {2.0, 1000, 4000, 7, {3, 250, 50, 20, 5, 8, {{5, 6, 11}}}};
         spec.settings.seed = 9;
         FilmTile tile({0, 0, 2, 1});
         for (FilmPixel& pixel : tile.pixels) pixel.mean = {0.03, 0.03, 0.03}, pixel.count = 250;
@@ -53,6 +53,8 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["numerics"]["truncatedShare"], 0.25);
     EXPECT_EQ(report["numerics"]["truncatedThroughput"], 0.05);
     EXPECT_THAT(report["notices"][0].get<std::string>(), testing::HasSubstr("25 % of the paths"));
+    EXPECT_EQ(report["numerics"]["lightsBehindGlass"], 8);
+    EXPECT_THAT(report["notices"][1].get<std::string>(), testing::HasSubstr("8 samples of lights"));
     EXPECT_EQ(report["numerics"]["clampedSamples"], 20);
     EXPECT_EQ(report["numerics"]["clampedLuminance"], 0.005);
     EXPECT_DOUBLE_EQ(report["numerics"]["clampedPercent"].get<double>(), 25) << "5 of 5 + 15";

@@ -51,6 +51,7 @@ TEST(DispatchCounts, TilesKeepTheirOwn) {
     second[gpu::TILE_CLAMPED] = 2;
     second[gpu::TILE_CLAMPED_RADIANCE + 3] = 1;  // 2^4
     second[gpu::TILE_REJECTED] = 4;
+    second[gpu::TILE_BEHIND_GLASS] = 5;
     PassFaults first, other;
     DispatchCounts(words).addTile(0, first);
     DispatchCounts(words).addTile(1, other);
@@ -60,6 +61,7 @@ TEST(DispatchCounts, TilesKeepTheirOwn) {
     EXPECT_EQ(other.clampedSamples, 2u);
     EXPECT_EQ(other.clampedLuminance, 16);
     EXPECT_EQ(other.rejectedPaths, 4u);
+    EXPECT_EQ(other.lightsBehindGlass, 5u);
 }
 
 }  // namespace
