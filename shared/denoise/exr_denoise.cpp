@@ -14,6 +14,7 @@
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/image/durable_stream.h"
+#include "shared/image/exr_attributes.h"
 
 namespace tilefarm {
 
@@ -32,8 +33,14 @@ struct Guide {
     std::vector<float>* plane;
 };
 
-std::vector<Guide> guidesOf(GuidedRows& rows) {
-    std::vector<Guide> guides{{"Z", &rows.depth}, {"A", &rows.alpha}, {"samples", &rows.samples}};
+// Older files of ours have a channel `samples`.
+std::string samplesChannel(const Imf::ChannelList& channels) {
+    return channels.findChannel("samples") ? "samples" : "samples.X";
+}
+
+std::vector<Guide> guidesOf(GuidedRows& rows, const Imf::ChannelList& channels) {
+    std::vector<Guide> guides{
+        {"Z", &rows.depth}, {"A", &rows.alpha}, {samplesChannel(channels), &rows.samples}};
     for (size_t c = 0; c < 3; ++c) {
         const std::string colour(1, "RGB"[c]), axis(1, "XYZ"[c]);
         guides.push_back({colour, &rows.radiance[c]});
@@ -100,7 +107,7 @@ public:
 
     void read(uint32_t first, uint32_t rows, GuidedRows& into) {
         Imf::FrameBuffer buffer;
-        for (const Guide& guide : guidesOf(into))
+        for (const Guide& guide : guidesOf(into, header().channels()))
             buffer.insert(guide.name, slice(guide.plane->data(), first, rows));
         read(buffer, first, rows);
     }
@@ -120,7 +127,7 @@ private:
         const Imf::ChannelList& channels = header().channels();
         GuidedRows none;
         std::string missing;
-        for (const Guide& guide : guidesOf(none))
+        for (const Guide& guide : guidesOf(none, channels))
             if (!channels.findChannel(guide.name)) missing += (missing.empty() ? "" : ", ") + guide.name;
         if (!missing.empty()) throw std::runtime_error("it has no channels " + missing);
         size_t count = 0;
@@ -139,7 +146,8 @@ private:
 Imf::Header headerFor(const Frame& frame, const DenoiseSettings& settings) {
     Imf::Header header = frame.header();
     for (const char* name : kResult) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-    header.insert("tilefarm.denoiser", Imf::StringAttribute(denoiserText(settings)));
+    for (const auto& [name, part] : splitAttribute("tilefarm.denoiser", denoiserText(settings)))
+        header.insert(name, Imf::StringAttribute(part));
     header.zipCompressionLevel() = kZipLevel;
     return header;
 }

@@ -6,9 +6,9 @@ namespace tilefarm {
 namespace {
 
 constexpr std::array<std::string_view, FilmLayout::kLightPaths> kPathNames{
-    "emission",          "diffuse.direct",      "diffuse.indirect",     "specular.direct",
-    "specular.indirect", "transmission.direct", "transmission.indirect",
-    "volume.direct",     "volume.indirect"};
+    "emission",          "diffuse_direct",      "diffuse_indirect",      "specular_direct",
+    "specular_indirect", "transmission_direct", "transmission_indirect", "volume_direct",
+    "volume_indirect"};
 
 }  // namespace
 

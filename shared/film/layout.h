@@ -26,7 +26,8 @@ struct FilmLayout {
     uint32_t means() const { return (lightPaths ? 3 * kLightPaths : 0) + (uv ? 2 : 0); }
     uint32_t pairs() const { return cryptomatte ? kMatteRanks * static_cast<uint32_t>(kMattes.size()) : 0; }
     uint32_t floats() const { return means() + 2 * pairs(); }
-    /// EXR channels of the floats in their order: "diffuse.direct.R", "uv.U", "CryptoObject00.R", ….
+    /// EXR channels of the floats in their order, each of a layer without dots (Blender takes what stands
+    /// before the last for a layer of its own): "diffuse_direct.R", "uv.U", "CryptoObject00.R", ….
     std::vector<std::string> channels() const;
     /// For errors: "lightPaths, uv", or "none".
     std::string text() const;

@@ -67,7 +67,8 @@ constexpr std::array kFrameChannels{
     FrameChannel{"variance.R", [](const FilmPixel& p) { return p.varianceOfMean(0); }},
     FrameChannel{"variance.G", [](const FilmPixel& p) { return p.varianceOfMean(1); }},
     FrameChannel{"variance.B", [](const FilmPixel& p) { return p.varianceOfMean(2); }},
-    FrameChannel{"samples", [](const FilmPixel& p) { return p.count; }},
+    // As Cycles names a count: Blender passes over a layer without a channel.
+    FrameChannel{"samples.X", [](const FilmPixel& p) { return p.count; }},
     FrameChannel{"albedo.R", [](const FilmPixel& p) { return p.albedo[0]; }},
     FrameChannel{"albedo.G", [](const FilmPixel& p) { return p.albedo[1]; }},
     FrameChannel{"albedo.B", [](const FilmPixel& p) { return p.albedo[2]; }},
@@ -98,13 +99,15 @@ void rankMattes(FilmTile& tile) {
     }
 }
 
-// A row of tiles as planes of the image's width: those of kFrameChannels, then those of the layout. What else
-// a frame may hold (a denoised picture) would be further planes after these.
+// A row of tiles as planes of the image's width: those of kFrameChannels, then those of the layout, then
+// uv.A: alpha once more, as Blender shows a layer of two channels as a constant. What else a frame may hold
+// (a denoised picture) would be further planes after these.
 class TileRow {
 public:
     explicit TileRow(const FilmLayout& layout) : layout_(layout) {
         for (const FrameChannel& channel : kFrameChannels) names_.emplace_back(channel.name);
         for (std::string& name : layout.channels()) names_.push_back(std::move(name));
+        if (layout.uv) names_.emplace_back("uv.A");
         planes_.resize(names_.size());
     }
 
@@ -123,6 +126,8 @@ public:
                  [&](size_t pixel) { return kFrameChannels[c].of(tile.pixels[pixel]); });
         for (size_t c = 0; c < floats; ++c)
             fill(planes_[own + c], tile.rect, [&](size_t pixel) { return tile.extra[pixel * floats + c]; });
+        if (layout_.uv)
+            fill(planes_.back(), tile.rect, [&](size_t pixel) { return tile.pixels[pixel].alpha; });
     }
 
     Imf::FrameBuffer frameBuffer() {

@@ -26,10 +26,10 @@ struct FrameContents {
 
 /// Writes a frame as a scanline EXR (fp32, ZIP) a row of tiles at a time, so memory holds one row of
 /// tiles and not the frame. Channels: R G B A, variance.R variance.G variance.B (of the mean),
-/// samples, albedo.R albedo.G albedo.B, normal.X normal.Y normal.Z, Z (depth), and those of
-/// `contents.layout`: ids by falling coverage, beside their coverage from 0 to 1. Written to a
-/// temporary file beside `path`, synced, then renamed: `path` is whole or absent.
-/// Throws Error(outOfSpace | internal) that names the file.
+/// samples.X, albedo.R albedo.G albedo.B, normal.X normal.Y normal.Z, Z (depth), and those of
+/// `contents.layout`, with uv.A, which is A: ids by falling coverage, beside their coverage from 0 to 1.
+/// Written to a temporary file beside `path`, synced, then renamed: `path` is whole or absent. Throws
+/// Error(outOfSpace | internal) that names the file.
 void writeFrameExr(const std::filesystem::path& path, const ImageSpec& image, const TileSource& tiles,
                    const ImageAttributes& attributes, const FrameContents& contents = {});
 

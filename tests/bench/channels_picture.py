@@ -18,8 +18,8 @@ sys.path[:0] = [str(TESTS / "support"), str(TESTS / "data")]
 from exr_image import Exr  # noqa: E402
 from gltf_writer import png  # noqa: E402
 
-PATHS = ["emission", "diffuse.direct", "diffuse.indirect", "specular.direct", "specular.indirect",
-         "transmission.direct", "transmission.indirect"]  # and of fog, which the demo scene has none of
+PATHS = ["emission", "diffuse_direct", "diffuse_indirect", "specular_direct", "specular_indirect",
+         "transmission_direct", "transmission_indirect"]  # and of fog, which the demo scene has none of
 GAP = 4
 
 

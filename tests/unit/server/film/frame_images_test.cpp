@@ -44,7 +44,7 @@ TEST(FrameImages, WritesTheFinalImageOnceAndCompletesTheJob) {
         const size_t at = size_t{tile.rect.y} * 40 + tile.rect.x;
         EXPECT_EQ(read.plane("R")[at], static_cast<float>(tile.pixels[0].mean[0]));
         EXPECT_EQ(read.plane("variance.G")[at], static_cast<float>(tile.pixels[0].varianceOfMean(1)));
-        EXPECT_EQ(read.plane("samples")[at], 8.0f);
+        EXPECT_EQ(read.plane("samples.X")[at], 8.0f);
     }
 }
 
@@ -89,11 +89,11 @@ TEST(FrameImages, ShowsAFrameInWorkAsFarAsItIsMerged) {
     farm.deliver(farm.lease());
     const ImageFile first = farm.images->exr(id, 0);
     EXPECT_TRUE(first.partial);
-    EXPECT_EQ(readExr(bytesOf(first), "partial").plane("samples")[0], 1.0f);
+    EXPECT_EQ(readExr(bytesOf(first), "partial").plane("samples.X")[0], 1.0f);
     farm.deliver(farm.lease());
     farm.clock.advance(Milliseconds(60000));
     const ImageFile second = farm.images->exr(id, 0);
-    EXPECT_EQ(readExr(bytesOf(second), "partial").plane("samples")[0], 2.0f);
+    EXPECT_EQ(readExr(bytesOf(second), "partial").plane("samples.X")[0], 2.0f);
     EXPECT_NE(first.sha256, second.sha256);
     EXPECT_EQ(bytesOf(first).size(), first.bytes);  // still readable for who holds it
 }

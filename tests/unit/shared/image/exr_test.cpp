@@ -111,7 +111,7 @@ TEST(FrameExr, PutsFurtherChannelsBesideAndRanksIdsByCoverage) {
     const auto tileWith = [&](uint32_t index) {
         FilmTile tile(TileGrid(image).rect(index), layout);
         for (size_t i = 0; i < tile.pixels.size(); ++i) {
-            tile.pixels[i].count = 8;
+            tile.pixels[i].count = 8, tile.pixels[i].alpha = 0.25;
             const auto extra = tile.extraOf(i);
             extra[0] = static_cast<double>(tile.rect.x + i % tile.rect.width);
             // Ids 5, 6 and 7 with 1, 4 and 3 of 8 samples.
@@ -127,6 +127,7 @@ TEST(FrameExr, PutsFurtherChannelsBesideAndRanksIdsByCoverage) {
     const FloatImage read = readExr(folder / "f.exr");
     for (size_t i = 0; i < read.pixelCount(); ++i) {
         ASSERT_EQ(read.plane("uv.U")[i], static_cast<float>(i % 20));
+        ASSERT_EQ(read.plane("uv.A")[i], read.plane("A")[i]);
         const float wanted[] = {6, 0.5f, 7, 0.375f, 5, 0.125f, 0, 0};
         for (size_t c = 0; c < 8; ++c)
             ASSERT_EQ(read.plane(std::string("CryptoObject0") + "01"[c / 4] + "." + "RGBA"[c % 4])[i],
@@ -162,7 +163,7 @@ TEST(FrameExr, PutsEveryPixelOfEveryTileInItsPlace) {
         }
     EXPECT_EQ(read.plane("B")[0], static_cast<float>(1.0 / 3));
     EXPECT_EQ(read.plane("A")[5], 0.5f);
-    EXPECT_EQ(read.plane("samples")[5], 3.f);
+    EXPECT_EQ(read.plane("samples.X")[5], 3.f);
     EXPECT_EQ(read.plane("Z")[5], 7.f);
     EXPECT_EQ(read.plane("albedo.G")[5], 0.2f);
     EXPECT_EQ(read.plane("normal.Y")[5], -1.f);

@@ -47,7 +47,7 @@ TEST_F(RenderCommandTest, WritesThePictureWithItsAttributes) {
     EXPECT_EQ(image.height, 24u);
     // Pixel (17, 3) lies in the second tile; all its passes have means near 0.25 (x + 3 y).
     EXPECT_NEAR(image.plane("R")[3 * 40 + 17], 0.25 * (17 + 9), 0.01);
-    EXPECT_EQ(image.plane("samples")[0], 4.0f);
+    EXPECT_EQ(image.plane("samples.X")[0], 4.0f);
     EXPECT_EQ(readExrAttributes(render.exr).at("job"), "local");
 }
 
