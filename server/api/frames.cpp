@@ -1,8 +1,10 @@
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "server/api/resources.h"
 #include "server/api/services.h"
 #include "server/api/views.h"
+#include "shared/digest/digest.h"
 #include "shared/error/error.h"
 #include "shared/image/tone.h"
 
@@ -80,6 +82,15 @@ HttpResponse getExr(Services& s, HttpRequest& r) {
          [file = image.file](uint64_t offset, std::span<std::byte> into) { file->readAt(offset, into); }});
     response.headers.emplace("Tilefarm-State", image.partial ? "partial" : "complete");
     return response;
+}
+
+HttpResponse getMatteManifest(Services& s, HttpRequest& r) {
+    const auto text =
+        std::make_shared<const std::string>(s.images.sidecar(r.parameter("job"), r.parameter("file")));
+    return contentResponse(r, "application/json", sha256Hex(*text),
+                           {text->size(), [text](uint64_t offset, std::span<std::byte> into) {
+                                std::memcpy(into.data(), text->data() + offset, into.size());
+                            }});
 }
 
 HttpResponse getPng(Services& s, HttpRequest& r) {

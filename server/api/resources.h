@@ -22,6 +22,7 @@ HttpResponse getReport(Services& s, HttpRequest& r);
 HttpResponse listFrames(Services& s, HttpRequest& r);
 HttpResponse getFrame(Services& s, HttpRequest& r);
 HttpResponse getExr(Services& s, HttpRequest& r);
+HttpResponse getMatteManifest(Services& s, HttpRequest& r);
 HttpResponse getPng(Services& s, HttpRequest& r);
 HttpResponse getPreview(Services& s, HttpRequest& r);
 

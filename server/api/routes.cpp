@@ -24,6 +24,7 @@ constexpr std::array kRoutes{
     Route{"POST", "/v1/jobs/{job}/pause", pauseJob},
     Route{"POST", "/v1/jobs/{job}/resume", resumeJob},
     Route{"GET", "/v1/jobs/{job}/report", getReport},
+    Route{"GET", "/v1/jobs/{job}/mattes/{file}", getMatteManifest},
     Route{"GET", "/v1/jobs/{job}/frames", listFrames},
     Route{"GET", "/v1/jobs/{job}/frames/{frame}", getFrame},
     Route{"GET", "/v1/jobs/{job}/frames/{frame}/image.exr", getExr},

@@ -38,7 +38,7 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console);
 
 // ---- download.cpp
 
-/// Downloads the pictures of one frame.
+/// Downloads the pictures of one frame, and what manifests the EXR names, beside it.
 void downloadFrame(FarmClient& farm, const std::string& id, int32_t frame, const PictureOptions& pictures,
                    const Console& console);
 /// By default the job's first frame.

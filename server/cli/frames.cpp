@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <zip.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -48,6 +49,13 @@ private:
 
 nlohmann::json specOf(FarmClient& farm, const std::string& id) {
     return farm.job(id).at("spec");
+}
+
+std::vector<fs::path> filesIn(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
 }
 
 [[noreturn]] void failZip(const fs::path& file, const char* why) {
@@ -109,15 +117,13 @@ int downloadFrames(FarmClient& farm, const std::string& id, const std::string& w
         sortedFrameNumbers(which == "all" ? framesOf(specOf(farm, id)) : framesFrom(which));
     const bool zip = hasSuffix(output.string(), ".zip");
     const WorkFolder folder;
-    std::vector<fs::path> members;
     for (const int32_t frame : frames) {
         const fs::path file = zip ? folder / numbered("frame.exr", frame).string() : numbered(output, frame);
         const bool exr = hasSuffix(file.string(), ".exr");
         downloadFrame(farm, id, frame, {exr ? file : "", exr ? "" : file, like.tone, like.denoised}, console);
-        members.push_back(file);
     }
     if (!zip) return kDone;
-    writeZip(output, members);
+    writeZip(output, filesIn(folder / ""));
     console.err << fmt::format("wrote {}: {} frames\n", output.string(), frames.size());
     return kDone;
 }

@@ -85,26 +85,36 @@ FilmTile FrameImages::tile(const Frame& frame, uint32_t index) const {
 }
 
 // A scene's names are those of all its frames.
-FrameContents FrameImages::contents(const Frame& frame) {
-    const JobSpec& spec = frame.info->spec;
-    FrameContents contents{.layout = filmLayoutOf(spec), .metadata = {}};
-    if (!contents.layout.cryptomatte) return contents;
+MatteMetadata FrameImages::mattes(const std::string& jobId, const JobSpec& spec) {
+    if (!spec.output.cryptomatte) return {};
     const std::scoped_lock lock(naming_);
-    if (lastMetadata_.first != frame.job.id) {
+    if (lastMattes_.first != jobId) {
         const std::string& sha256 = spec.scene.files.at(spec.scene.entry);
         const GltfBytes gltf{
             blobs_.size(sha256).value_or(0),
             [&](uint64_t offset, std::span<std::byte> into) { blobs_.read(sha256, offset, into); }};
-        lastMetadata_ = {frame.job.id, matteMetadata(gltf, spec)};
+        lastMattes_ = {jobId, matteMetadata(gltf, spec)};
     }
-    contents.metadata = lastMetadata_.second;
-    return contents;
+    return lastMattes_.second;
+}
+
+std::string FrameImages::sidecar(const std::string& jobId, const std::string& file) {
+    std::shared_ptr<const JobInfo> info;
+    store_.read([&](const ConstTables& t) {
+        if (const auto job = t.jobs.find(jobId)) info = scheduler_.catalog().get(*job);
+    });
+    if (!info) throw Error(ErrorCode::notFound, "there is no job '" + jobId + "'");
+    const MatteMetadata metadata = mattes(jobId, info->spec);
+    const auto found = metadata.sidecars.find(file);
+    if (found == metadata.sidecars.end())
+        throw Error(ErrorCode::notFound, "no picture of job '" + jobId + "' names a file '" + file + "'");
+    return found->second;
 }
 
 void FrameImages::write(const fs::path& path, const Frame& frame) {
-    writeFrameExr(
-        path, frame.info->spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame),
-        contents(frame));
+    const JobSpec& spec = frame.info->spec;
+    writeFrameExr(path, spec.image, [&](uint32_t i) { return tile(frame, i); }, attributes(frame),
+                  {filmLayoutOf(spec), mattes(frame.job.id, spec).header});
 }
 
 ImageAttributes FrameImages::attributes(const Frame& frame) const {

@@ -12,6 +12,7 @@
 #include "server/store/blob_store.h"
 #include "shared/image/exr.h"
 #include "shared/image/tone.h"
+#include "shared/matte/cryptomatte.h"
 
 namespace tilefarm {
 
@@ -45,6 +46,10 @@ public:
     Picture png(const std::string& jobId, int32_t frame, const ToneMapping& mapping, uint32_t width,
                 bool denoised = false);
 
+    /// A file that the header of the job's EXRs names: the manifest of a matte. Throws Error(notFound) for an
+    /// unknown job, and where its EXRs name no such file.
+    std::string sidecar(const std::string& jobId, const std::string& file);
+
     /// Writes the final image of each frame whose passes are all merged, marks it completed, and
     /// removes its film. Frames whose writing fails stay as they are; gives their faults.
     std::vector<std::string> finishFrames();
@@ -65,7 +70,7 @@ private:
 
     Frame find(const std::string& jobId, int32_t frame) const;
     FilmTile tile(const Frame& frame, uint32_t index) const;
-    FrameContents contents(const Frame& frame);
+    MatteMetadata mattes(const std::string& jobId, const JobSpec& spec);
     void write(const std::filesystem::path& path, const Frame& frame);
     ImageAttributes attributes(const Frame& frame) const;
     std::filesystem::path finalPath(const Frame& frame) const;
@@ -85,7 +90,7 @@ private:
 
     std::mutex making_;  // guards what follows, and memory: one image at a time
     std::mutex naming_;  // guards the next line
-    std::pair<std::string, std::map<std::string, std::string>> lastMetadata_;  // of mattes, by the job's id
+    std::pair<std::string, MatteMetadata> lastMattes_;  // by the job's id
     std::map<std::string, std::pair<Made, ImageFile>> partial_;
     std::map<std::string, std::pair<Made, Picture>> pictures_;
 };

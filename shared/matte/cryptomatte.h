@@ -5,6 +5,9 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "shared/job/output.h"
 
 namespace tilefarm {
 
@@ -20,7 +23,19 @@ uint32_t matteId(std::string_view name);
 /// Eight lower-case hex digits, as manifests have it.
 std::string matteHex(uint32_t id);
 
-/// What the file's header says of a layer: `cryptomatte/<7 digits>/` name, hash, conversion and manifest.
-std::map<std::string, std::string> matteMetadata(std::string_view layer, const std::set<std::string>& names);
+/// What says which names ids are.
+struct MatteMetadata {
+    /// Header entries of a layer: `cryptomatte/<7 digits>/` name, hash, conversion, and manifest or
+    /// manif_file.
+    std::map<std::string, std::string> header;
+    /// Files to lie beside the picture, by their names, which follow from what is in them.
+    std::map<std::string, std::string> sidecars;
+    void add(MatteMetadata other);
+};
+MatteMetadata matteMetadata(std::string_view layer, const std::set<std::string>& names,
+                            MatteManifest place = MatteManifest::automatic);
+
+/// The sidecars that a header names, as far as they are names of ours.
+std::vector<std::string> sidecarsNamedIn(const std::map<std::string, std::string>& header);
 
 }  // namespace tilefarm

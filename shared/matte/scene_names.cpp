@@ -79,7 +79,7 @@ SceneNames sceneNames(const GltfBytes& source, const JobSpec& job) {
     return names;
 }
 
-std::map<std::string, std::string> matteMetadata(const GltfBytes& gltf, const JobSpec& job) {
+MatteMetadata matteMetadata(const GltfBytes& gltf, const JobSpec& job) {
     if (!job.output.cryptomatte) return {};
     SceneNames names;
     try {
@@ -87,8 +87,9 @@ std::map<std::string, std::string> matteMetadata(const GltfBytes& gltf, const Jo
     } catch (const Error&) {
         // The picture is worth more than its manifest.
     }
-    auto metadata = matteMetadata(kMattes[0], names.objects);
-    metadata.merge(matteMetadata(kMattes[1], names.materials));
+    const MatteManifest place = job.output.cryptomatteManifest;
+    MatteMetadata metadata = matteMetadata(kMattes[0], names.objects, place);
+    metadata.add(matteMetadata(kMattes[1], names.materials, place));
     return metadata;
 }
 

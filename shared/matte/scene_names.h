@@ -1,11 +1,11 @@
 #pragma once
 
-#include <map>
 #include <set>
 #include <string>
 
 #include "shared/gltf/gltf_bytes.h"
 #include "shared/job/job.h"
+#include "shared/matte/cryptomatte.h"
 
 namespace tilefarm {
 
@@ -29,8 +29,8 @@ inline constexpr const char* kDefaultMaterialName = "default";
 /// glTF.
 SceneNames sceneNames(const GltfBytes& gltf, const JobSpec& job);
 
-/// Header entries of the frame's file for the mattes that the job asks for; none if it asks for none. Without
-/// manifests where the scene's file cannot be read: ids are then ids still.
-std::map<std::string, std::string> matteMetadata(const GltfBytes& gltf, const JobSpec& job);
+/// Of the mattes that the job asks for; nothing if it asks for none. Manifests are empty where the scene's
+/// file cannot be read: ids are then ids still.
+MatteMetadata matteMetadata(const GltfBytes& gltf, const JobSpec& job);
 
 }  // namespace tilefarm

@@ -43,7 +43,8 @@ class Mattes:
         assert prefix == f"cryptomatte/{murmur3(name):08x}"[:len("cryptomatte/") + 7] + "/", prefix
         assert exr.attributes[prefix + "hash"] == b"MurmurHash3_32"
         assert exr.attributes[prefix + "conversion"] == b"uint32_to_float32"
-        self.manifest = json.loads(exr.attributes[prefix + "manifest"])
+        beside = exr.attributes.get(prefix + "manif_file")
+        self.manifest = json.loads((exr.path.parent / beside.decode()).read_bytes() if beside else exr.attributes[prefix + "manifest"])
         self.ranks = [(exr.planes[f"{name}{level:02}.{i}"], exr.planes[f"{name}{level:02}.{c}"])
                       for level in range(3) for i, c in ("RG", "BA")]
 

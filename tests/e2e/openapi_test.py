@@ -115,13 +115,14 @@ class Answers(FarmTest):
     def render(self):
         """A job from the command line to its pictures."""
         self.start_worker()
-        job = self.submit(DATA / "cornell.gltf", width=16, height=16, samples=4, tile_size=8, frames="0-1")
+        job = self.submit(DATA / "cornell.gltf", width=16, height=16, samples=4, tile_size=8, frames="0-1",
+                          output_cryptomatte=(), output_cryptomatte_manifest="sidecar")
         self.wait_for_end(job)
         self.download(job)
         self.cli("job", job)
         for path in ("", "/report", "/frames", "/frames/0", "/frames/1", "/frames/7", "/frames/0/image.exr",
                      "/frames/0/image.png", "/frames/0/image.png?exposure=99", "/frames/0/image.png?denoised=1",
-                     "/frames/0/preview.png?width=8", "/events?after=0"):
+                     "/frames/0/preview.png?width=8", "/mattes/none.json", "/events?after=0"):
             self.call("GET", f"/v1/jobs/{job}{path}", headers={"Accept": "application/json"})
         for path in ("/v1/jobs?limit=1", "/v1/jobs?limit=0", "/v1/jobs?state=completed", "/v1/workers", "/v1/jobs/none",
                      "/v1/events?after=0", "/v1/openapi.json", "/healthz", "/metrics", "/"):

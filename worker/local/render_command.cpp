@@ -94,11 +94,9 @@ void showSample(const DroppedSample& at, const SampleTrace& trace, std::FILE* ou
     }
 }
 
-FrameContents contentsOf(const JobSpec& spec, const fs::path& gltf) {
-    FrameContents contents{filmLayoutOf(spec), {}};
-    if (!contents.layout.cryptomatte) return contents;
-    contents.metadata = matteMetadata(bytesOfGltf(readWhole(gltf)), spec);
-    return contents;
+MatteMetadata mattesOf(const JobSpec& spec, const fs::path& gltf) {
+    if (!spec.output.cryptomatte) return {};
+    return matteMetadata(bytesOfGltf(readWhole(gltf)), spec);
 }
 
 fs::path fileFor(const fs::path& path, const JobSpec& spec, int32_t frame) {
@@ -121,9 +119,10 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
         fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
     for (const std::string& notice : noticesOf(frame.stats.faults, frame.stats.samples))
         fmt::print(progress, "note: {}\n", notice);
-    writeFrameExr(
-        exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
-        localAttributes(spec, device.device(), frame), contentsOf(spec, render.files.entry));
+    const MatteMetadata mattes = mattesOf(spec, render.files.entry);
+    writeFrameExr(exr, spec.image, [&](uint32_t tile) { return frame.tiles[tile]; },
+                  localAttributes(spec, device.device(), frame), {filmLayoutOf(spec), mattes.header});
+    for (const auto& [name, text] : mattes.sidecars) writeDurably(exr.parent_path() / name, text);
     if (spec.output.denoise) denoiseExr(exr, exr, {.wrap = spec.view.kind == ViewKind::panorama});
     if (!png.empty()) writePng(png, toneMapped(colourOf(spec.image, frame.tiles), render.tone));
     if (!report.empty())

@@ -60,12 +60,36 @@ TEST(FrameImages, WritesTheNamesOfTheScenesMattes) {
     const std::string id = farm.scheduler->submit(spec).job.id;
     farm.finish();
     const auto metadata = readExrMetadata(farm.folder / ("images/" + id + "/0.exr"));
+    EXPECT_EQ(codeOf([&] { farm.images->sidecar(id, "CryptoObject.json"); }), ErrorCode::notFound);
     EXPECT_NE(metadata.at("cryptomatte/3ae39a5/manifest").find("\"Chair\""), std::string::npos);
     EXPECT_NE(metadata.at("cryptomatte/be359d6/manifest").find("\"materials/0\""), std::string::npos);
     const FloatImage read = readExr(bytesOf(farm.images->exr(id, 0)), "final");
     EXPECT_EQ(read.plane("CryptoObject00.R")[5], 1e30f) << "seen by 7 of 8 samples";
     EXPECT_EQ(read.plane("CryptoObject00.G")[5], 0.875f);
     EXPECT_EQ(read.plane("CryptoObject00.A")[5], 0.125f);
+}
+
+TEST(FrameImages, HandsOutManifestsThatAreTooLongForAHeader) {
+    TestFarm farm;
+    std::string gltf = R"({"nodes": [{"name": "Chair"})";
+    for (int i = 0; i < 40; ++i) gltf += R"(, {"name": "Chair of the row )" + std::to_string(i) + "\"}";
+    gltf += "]}";
+    const auto writer = farm.blobs.create(sha256Hex(gltf));
+    writer->write(std::as_bytes(std::span(gltf)));
+    writer->commit();
+    JobSpec spec = smallJob();
+    spec.scene.files = {{"a.glb", sha256Hex(gltf)}};
+    spec.output.cryptomatte = true;
+    const std::string id = farm.scheduler->submit(spec).job.id;
+    farm.finish();
+    const auto metadata = readExrMetadata(farm.folder / ("images/" + id + "/0.exr"));
+    EXPECT_FALSE(metadata.contains("cryptomatte/3ae39a5/manifest"));
+    EXPECT_TRUE(metadata.contains("cryptomatte/be359d6/manifest")) << "two names are short";
+    const auto files = sidecarsNamedIn(metadata);
+    ASSERT_EQ(files.size(), 1u);
+    EXPECT_NE(farm.images->sidecar(id, files[0]).find("\"Chair of the row 39\""), std::string::npos);
+    EXPECT_EQ(codeOf([&] { farm.images->sidecar("other", files[0]); }), ErrorCode::notFound);
+    for (const auto& [key, value] : metadata) EXPECT_LE(value.size(), 250u) << key;
 }
 
 TEST(FrameImages, SaysWhatMadeTheImage) {

@@ -55,13 +55,39 @@ TEST(MatteMetadata, HasTheKeysOfPublishedLayers) {
 
 TEST(MatteMetadata, NamesLayerHashConversionAndManifest) {
     const auto metadata = matteMetadata("CryptoObject", {"a \"quoted\" name", "Stuhl – grün"});
-    EXPECT_THAT(metadata, ElementsAre(Pair("cryptomatte/3ae39a5/conversion", "uint32_to_float32"),
-                                      Pair("cryptomatte/3ae39a5/hash", "MurmurHash3_32"),
-                                      Pair("cryptomatte/3ae39a5/manifest", testing::_),
-                                      Pair("cryptomatte/3ae39a5/name", "CryptoObject")));
-    const json manifest = json::parse(metadata.at("cryptomatte/3ae39a5/manifest"));
+    EXPECT_TRUE(metadata.sidecars.empty());
+    EXPECT_THAT(metadata.header, ElementsAre(Pair("cryptomatte/3ae39a5/conversion", "uint32_to_float32"),
+                                             Pair("cryptomatte/3ae39a5/hash", "MurmurHash3_32"),
+                                             Pair("cryptomatte/3ae39a5/manifest", testing::_),
+                                             Pair("cryptomatte/3ae39a5/name", "CryptoObject")));
+    const json manifest = json::parse(metadata.header.at("cryptomatte/3ae39a5/manifest"));
     ASSERT_EQ(manifest.size(), 2u);
     for (const auto& [name, hex] : manifest.items()) EXPECT_EQ(hex, matteHex(matteId(name)));
+}
+
+// Lengths around the longest that a header holds: {"a":"01234567"} is 15 bytes longer than its name.
+TEST(MatteMetadata, PutsLongManifestsBesideThePicture) {
+    for (const size_t length : {1u, 235u, 236u, 237u, 5000u}) {
+        const std::set<std::string> names{std::string(length, 'n')};
+        const MatteMetadata usual = matteMetadata("CryptoObject", names),
+                            sidecar = matteMetadata("CryptoObject", names, MatteManifest::sidecar),
+                            header = matteMetadata("CryptoObject", names, MatteManifest::header);
+        const std::string& text = header.header.at("cryptomatte/3ae39a5/manifest");
+        EXPECT_TRUE(header.sidecars.empty());
+        ASSERT_EQ(sidecar.sidecars.size(), 1u);
+        const auto& [file, same] = *sidecar.sidecars.begin();
+        EXPECT_EQ(same, text);
+        EXPECT_EQ(sidecar.header.at("cryptomatte/3ae39a5/manif_file"), file);
+        EXPECT_FALSE(sidecar.header.contains("cryptomatte/3ae39a5/manifest"));
+        EXPECT_THAT(sidecarsNamedIn(sidecar.header), ElementsAre(file));
+        EXPECT_EQ(usual.header, text.size() > 250 ? sidecar.header : header.header) << text.size();
+    }
+}
+
+TEST(MatteMetadata, FollowsNoNameOutOfTheFolder) {
+    for (const char* name :
+         {"../CryptoObject.json", "Crypto/../../x.json", "/etc/passwd", "CryptoObject.exr", "x.json", ""})
+        EXPECT_TRUE(sidecarsNamedIn({{"cryptomatte/3ae39a5/manif_file", name}}).empty()) << name;
 }
 
 GltfBytes bytesOf(const std::string& text) {
@@ -103,14 +129,14 @@ TEST(SceneNames, OfFilesThatAreNoGltfAreRefusedAndLeftOutOfTheHeader) {
     for (const std::string& bad :
          std::vector<std::string>{"", "glTF", "{", "[1]", glbOf("no"), glbOf(kGltf).substr(0, 50)}) {
         EXPECT_EQ(codeOf([&] { sceneNames(bytesOf(bad), job); }), ErrorCode::invalidArgument) << bad;
-        EXPECT_EQ(matteMetadata(bytesOf(bad), job).at("cryptomatte/be359d6/manifest"), "{}");
+        EXPECT_EQ(matteMetadata(bytesOf(bad), job).header.at("cryptomatte/be359d6/manifest"), "{}");
     }
     for (const std::string& odd : std::vector<std::string>{
              "{}", R"({"nodes": 3, "materials": {"name": "x"}, "extensions": []})",
              R"({"nodes": [1, {"name": 7}], "extensions": {"KHR_lights_punctual": []}})"})
         EXPECT_NO_THROW(sceneNames(bytesOf(odd), job)) << odd;
     job.output.cryptomatte = false;
-    EXPECT_TRUE(matteMetadata(bytesOf(kGltf), job).empty());
+    EXPECT_TRUE(matteMetadata(bytesOf(kGltf), job).header.empty());
 }
 
 }  // namespace
