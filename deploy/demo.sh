@@ -32,7 +32,7 @@ out=$(realpath -m "${TILEFARM_DEMO_OUT:-$farm_root/build/demo}")
 name=$(basename "${scene%.*}")
 
 build() {
-    if [ "${TILEFARM_DEMO_SETUP:-1}" != 0 ]; then "$farm_root/deploy/setup.sh"; fi
+    if [ "${TILEFARM_DEMO_SETUP:-1}" != 0 ]; then "$farm_root/deploy/setup.sh" --run; fi
     command -v cmake >/dev/null || farm_fail "no cmake: run deploy/setup.sh first"
     farm_say "building (the first time takes some minutes)"
     mkdir -p "$out"

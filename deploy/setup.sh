@@ -8,7 +8,8 @@
 # The package names hold on Debian 12 and 13. What differs is found at build time (Embree 3 or 4).
 #
 #   deploy/setup.sh            packages to build, run and test
-#   deploy/setup.sh --bench    also what the comparison benchmarks need (Blender)
+#   deploy/setup.sh --run      to build and run alone: without Blender and what else only tests use
+#   deploy/setup.sh --bench    also what the comparison benchmarks need
 set -euo pipefail
 export LC_ALL=C  # apt's answers are read below
 
@@ -22,12 +23,13 @@ packages=(
     libcpp-httplib-dev libssl-dev nlohmann-json3-dev libopenexr-dev
     libsqlite3-dev libsqlitecpp-dev libcli11-dev libspdlog-dev prometheus-cpp-dev libstb-dev
     libzip-dev libmurmurhash-dev libjpeg62-turbo-dev libpng-dev ffmpeg
-    libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3 python3-jsonschema sqlite3
-    universal-ctags
+    libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3 sqlite3
 )
-# For the validator of the API's description, tests/e2e/openapi_test.py; where Node.js came from elsewhere, it has npm.
-command -v npm >/dev/null || packages+=(npm)
-bench_packages=(blender python3-numpy)
+# What tests open our pictures in, check the API's description with (tests/e2e/openapi_test.py) and find functions by
+# (tests/tidy).
+test_packages=(blender openimageio-tools python3-jsonschema universal-ctags)
+command -v npm >/dev/null || test_packages+=(npm)  # where Node.js came from elsewhere, it has npm
+bench_packages=(python3-numpy)
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 fail() { say "$*"; exit 1; }
@@ -127,9 +129,10 @@ install_packages() {
 
 main() {
     case "${1:-}" in
-        "") ;;
-        --bench) packages+=("${bench_packages[@]}") ;;
-        *) fail "unknown option '$1' (only --bench is known)" ;;
+        "") packages+=("${test_packages[@]}") ;;
+        --run) ;;
+        --bench) packages+=("${test_packages[@]}" "${bench_packages[@]}") ;;
+        *) fail "unknown option '$1' (--run and --bench are known)" ;;
     esac
     local missing=() package
     for package in "${packages[@]}"; do installed "$package" || missing+=("$package"); done

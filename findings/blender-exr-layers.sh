@@ -1,18 +1,24 @@
 #!/usr/bin/env bash
-# How Blender 3.4.1 (Debian 12: 3.4.1+dfsg-2+b1) reads multilayer EXRs whose channels are named in valid ways:
-#   1. a layer of two channels (uv.U, uv.V) is a socket that carries no picture: a constant. With a third channel it is read;
-#   2. what stands before the last two names is a layer of its own: diffuse.direct.R is pass "direct" of layer "diffuse",
-#      beside which the passes of the layer without a name are not shown, and the other way round;
-#   3. a channel of one long word ("samples") is passed over.
-# Files come from oiiotool, which reads all of them right. Exits 0 while this is so.
+# Blender passes over channels of valid EXRs by how they are named and counted.
+#
+# Expected: every channel of a multilayer EXR can be reached from the compositor's Image node.
+# Seen: a layer of two channels (two.U, two.V) has a socket that carries a constant; with a third one it is read.
+#   diffuse.direct.R is the pass "direct" of a layer "diffuse", so that it is not among the passes beside R, G and B.
+#   A channel of one word ("samples") is passed over with a line on the terminal.
+# Matters to: whoever writes EXRs for compositing: LAYER.CHANNEL with one dot, and one, three or four channels.
+# Versions: Debian 12, blender 3.4.1+dfsg-2+b1, openimageio-tools 2.4.7.1+dfsg-2. Seen 2026-11-30.
 set -euo pipefail
+export LC_ALL=C
+fail() { echo "CHANGED: $*" >&2; exit 1; }
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
-command -v blender >/dev/null && command -v oiiotool >/dev/null ||
-    apt-get install -qy --no-install-recommends blender=3.4.1+dfsg-2+b1 openimageio-tools=2.4.7.1+dfsg-2
-blender --version | head -n 1
+if ! command -v blender >/dev/null || ! command -v oiiotool >/dev/null; then
+    apt-get -qq update
+    apt-get -qq install -y --no-install-recommends blender=3.4.1+dfsg-2+b1 openimageio-tools=2.4.7.1+dfsg-2 >/dev/null
+fi
+dpkg-query -W blender openimageio-tools
 
 names=R,G,B,samples,count.X,two.U,two.V,three.U,three.V,three.A,diffuse.direct.R,diffuse.direct.G,diffuse.direct.B
 names+=,flat_direct.R,flat_direct.G,flat_direct.B
@@ -45,7 +51,9 @@ echo "pictures: $(cd out && echo *)"
 
 offered() { grep -qw "$1" <<<"$passes"; }
 written() { [ -e "out/${1}0001.exr" ]; }
-grep -q 'unknown channel token: samples' log
-! offered samples && ! offered direct
-offered two && ! written two
-for pass in Combined count three flat_direct; do offered "$pass" && written "$pass"; done
+grep -q 'unknown channel token: samples' log || fail "samples is read"
+if offered samples || offered direct; then fail "all layers are offered at once"; fi
+if ! offered two || written two; then fail "two channels are read"; fi
+for pass in Combined count three flat_direct; do
+    offered "$pass" && written "$pass" || fail "$pass is not read"
+done

@@ -44,6 +44,16 @@ class Turntable(FarmTest):
                                "stream=nb_read_frames,r_frame_rate,width", "-of", "csv=p=0", movie],
                               stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
         self.assertEqual(seen, "34,10/1,5")
+        png = self.folder / "first.png"
+        self.cli("download", job, "--frame", 0, "-o", png)
+        first, picture = self.grey(movie), self.grey(png)
+        self.assertGreater(max(picture), 64)
+        self.assertLess(sum(abs(a - b) for a, b in zip(first, picture)) / len(picture), 4, "as its first frame, compressed")
+
+    def grey(self, file):
+        """Of a picture or a movie's first frame, without the column that makes its width even."""
+        return subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-frames:v", "1", "-vf", "crop=32:16:0:0", "-f",
+                               "rawvideo", "-pix_fmt", "gray", "-"], stdout=subprocess.PIPE, check=True).stdout
 
     def test_without_ffmpeg_a_movie_says_what_is_missing(self):
         self.start_server()
