@@ -2,15 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 
+#include "server/cli/needed_files.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
-#include "shared/job/safe_path.h"
+#include "shared/job/bundle_paths.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -46,10 +50,15 @@ std::string_view jsonOfGlb(std::string_view bytes, const fs::path& file) {
     if (wordAt(bytes, kGlbHeader + 4) != kJsonChunk) fail(file, "does not begin with a chunk of JSON");
     if (size > bytes.size() - kGlbHeader - kChunkHeader)
         fail(file, fmt::format("ends within its chunk of {} bytes of JSON", size));
-    return bytes.substr(kGlbHeader + kChunkHeader, size);
+    const std::string_view text = bytes.substr(kGlbHeader + kChunkHeader, size);
+    return text.substr(0, text.find_last_not_of('\0') + 1);  // some writers fill it up with zeros
 }
 
-json readGltf(const fs::path& file) {
+// As deep as the worker reads. Which names may stand twice the worker knows; here a file is only looked
+// through.
+constexpr size_t kDeepest = 128;
+
+json readGltf(const fs::path& file, bool strict) {
     std::vector<std::byte> bytes;
     try {
         bytes = readWhole(file);
@@ -59,7 +68,7 @@ json readGltf(const fs::path& file) {
     std::string_view text = textOf(bytes);
     if (text.size() >= 4 && wordAt(text, 0) == kGlbMagic) text = jsonOfGlb(text, file);
     try {
-        return parseJson(text);
+        return parseJson(text, {.repeatedNames = !strict, .deepest = kDeepest});
     } catch (const Error& e) {
         fail(file, fmt::format("is no glTF: {}", e.what()));
     }
@@ -92,22 +101,29 @@ bool hasScheme(std::string_view uri) {
     return colon != std::string_view::npos && colon > 0 && colon < uri.find('/');
 }
 
-std::string withoutDotSegments(std::string path) {
-    while (path.starts_with("./")) path.erase(0, 2);
-    for (size_t at; (at = path.find("/./")) != std::string::npos;) path.erase(at, 2);
-    return path;
+bool isDataUri(const std::string& uri) {
+    constexpr std::string_view scheme = "data:";
+    return uri.size() >= scheme.size() &&
+           std::equal(scheme.begin(), scheme.end(), uri.begin(),
+                      [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
 }
 
 FileReference referenceOf(const fs::path& file, const std::string& uri, const std::string& place) {
-    const auto refuse = [&](const std::string& why) {
-        fail(file, fmt::format("{}: '{}' {}", place, uri.substr(0, 200), why));
+    const auto refused = [&](std::string_view why) {
+        return FileReference{{}, place, fmt::format("{}: '{}' {}", place, uri.substr(0, 200), why)};
     };
-    if (hasScheme(uri)) refuse("has a scheme; only files beside the scene can be sent along");
+    if (hasScheme(uri)) return refused("has a scheme; only files beside the scene can be sent along");
     const auto decoded = percentDecoded(uri);
-    if (!decoded) refuse("is not percent-encoded as a URI must be");
-    const std::string path = withoutDotSegments(*decoded);
-    if (std::string fault = pathFault(path); !fault.empty()) refuse(fault);
-    return {path, place};
+    if (!decoded) return refused("is not percent-encoded as a URI must be");
+    const TidyPath path = tidyPath(*decoded);
+    if (const std::string fault = referenceFault(path); !fault.empty()) return refused(fault);
+    try {
+        const fs::path named = BundleRoot(file, path.levelsUp).fileOf(path);
+        if (fs::is_regular_file(named)) return {path, place, {}};
+        return {path, place, fmt::format("{}: there is no file '{}'", place, named.string())};
+    } catch (const Error&) {
+        return refused("is above all folders");
+    }
 }
 
 // Adds a file to the bundle under `path`.
@@ -125,10 +141,7 @@ void addEnvironment(BundledScene& scene, const fs::path& file) {
     scene.bundle.environment = path;
 }
 
-}  // namespace
-
-std::vector<FileReference> gltfReferences(const fs::path& gltf) {
-    const json document = readGltf(gltf);
+std::vector<FileReference> referencesIn(const json& document, const fs::path& gltf) {
     if (!document.is_object()) fail(gltf, "is no glTF: its JSON is no object");
     std::vector<FileReference> references;
     for (const char* kind : {"buffers", "images"}) {
@@ -142,24 +155,44 @@ std::vector<FileReference> gltfReferences(const fs::path& gltf) {
             const auto uri = entry.find("uri");
             if (uri == entry.end()) continue;  // in the .glb itself, or in a buffer view
             if (!uri->is_string()) fail(gltf, place + " must be a string");
-            if (const auto& text = uri->get_ref<const std::string&>(); !text.starts_with("data:"))
+            if (const auto& text = uri->get_ref<const std::string&>(); !isDataUri(text))
                 references.push_back(referenceOf(gltf, text, place));
         }
     }
     return references;
 }
 
-BundledScene bundleScene(const fs::path& gltf, const fs::path& environment) {
+// Without those that are not needed and cannot be sent, of which the scene gets a warning.
+std::vector<FileReference> usable(std::vector<FileReference> references, const std::set<std::string>& needed,
+                                  const fs::path& gltf, bool strict, std::vector<std::string>& warnings) {
+    std::erase_if(references, [&](const FileReference& reference) {
+        if (reference.fault.empty()) return false;
+        if (strict || needed.contains(reference.place)) fail(gltf, reference.fault);
+        warnings.push_back(fmt::format("{}; nothing that is rendered needs it", reference.fault));
+        return true;
+    });
+    return references;
+}
+
+}  // namespace
+
+std::vector<FileReference> gltfReferences(const fs::path& gltf) {
+    return referencesIn(readGltf(gltf, false), gltf);
+}
+
+BundledScene bundleScene(const fs::path& gltf, const fs::path& environment, const JobSpec& job) {
     BundledScene scene;
-    scene.bundle.entry = gltf.filename().string();
-    const std::vector<FileReference> references = gltfReferences(gltf);
+    const json document = readGltf(gltf, job.strict);
+    const std::vector<FileReference> references =
+        usable(referencesIn(document, gltf), neededFiles(document, job), gltf, job.strict, scene.warnings);
+    size_t levelsUp = 0;
+    for (const FileReference& reference : references) levelsUp = std::max(levelsUp, reference.path.levelsUp);
+    const BundleRoot root(gltf, levelsUp);
+    scene.bundle.entry = root.entry();
     add(scene, scene.bundle.entry, gltf);
     for (const FileReference& reference : references) {
-        if (scene.bundle.files.contains(reference.path)) continue;
-        const fs::path file = gltf.parent_path() / reference.path;
-        if (!fs::is_regular_file(file))
-            fail(gltf, fmt::format("{}: there is no file '{}'", reference.place, file.string()));
-        add(scene, reference.path, file);
+        const std::string name = root.nameOf(reference.path);
+        if (!scene.bundle.files.contains(name)) add(scene, name, root.fileOf(reference.path));
     }
     if (!environment.empty()) addEnvironment(scene, environment);
     return scene;

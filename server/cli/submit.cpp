@@ -93,7 +93,8 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console) 
 }
 
 int submit(FarmClient& farm, const SubmitOptions& options, const Console& console) {
-    const BundledScene scene = bundleScene(options.scene, options.environment);
+    const BundledScene scene = bundleScene(options.scene, options.environment, options.spec);
+    for (const std::string& warning : scene.warnings) console.err << "warning: " << warning << '\n';
     JobSpec spec = options.spec;
     spec.scene = scene.bundle;
     if (spec.name.empty()) spec.name = options.scene.stem().string();

@@ -163,6 +163,10 @@ void describe(Visitor& v, Is<JobSpec> auto& job) {
     v.list({"materials", "what to change of materials; later ones win"}, job.materials, {0, 10000});
     v.text({"variant", "of KHR_materials_variants by name; empty for the file's default materials"},
            job.variant, {0, 1024});
+    v.flag(
+        {"strict",
+         "fail where the scene is not valid glTF or what it does not need is broken, instead of a warning"},
+        job.strict);
     v.object({"view", "a camera that the job places, and the lens of any"}, job.view);
     v.object({"motion", "time, animation, turntable and motion blur"}, job.motion);
     v.object({"output", "what the EXR holds beyond the picture; none of it changes the picture"}, job.output);

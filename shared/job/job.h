@@ -93,6 +93,7 @@ struct JobSpec {
     FogSettings fog;
     std::vector<MaterialOverride> materials;  // later ones win
     std::string variant;  // of KHR_materials_variants; empty: the file's default materials
+    bool strict = false;  // what is invalid glTF though every other reader takes it fails the job
     ViewSettings view;
     MotionSettings motion;
     OutputSettings output;

@@ -14,8 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kDeepest = 64;
-
 // Reads the text and counts how far the parser got, which its SAX interface does not say.
 struct CountingIterator {
     using iterator_category = std::input_iterator_tag;
@@ -77,7 +75,8 @@ std::string explain(std::string_view what) {
 
 class StrictChecker : public nlohmann::json_sax<json> {
 public:
-    StrictChecker(std::string_view text, const size_t& taken) : text_(text), taken_(taken) {}
+    StrictChecker(std::string_view text, const size_t& taken, const JsonRules& rules)
+        : text_(text), taken_(taken), rules_(rules) {}
 
     bool null() override { return true; }
     bool boolean(bool) override { return true; }
@@ -91,7 +90,7 @@ public:
     bool end_object() override { return leave(); }
     bool end_array() override { return leave(); }
     bool key(string_t& name) override {
-        if (!keys_.back().insert(name).second)
+        if (!rules_.repeatedNames && !keys_.back().insert(name).second)
             fail(text_, stringStart(text_, taken_), "the same member name stands twice in one object");
         return true;
     }
@@ -101,8 +100,8 @@ public:
 
 private:
     bool enter() {
-        if (keys_.size() == kDeepest)
-            fail(text_, taken_ - 1, fmt::format("nested deeper than {} levels", kDeepest));
+        if (keys_.size() == rules_.deepest)
+            fail(text_, taken_ - 1, fmt::format("nested deeper than {} levels", rules_.deepest));
         keys_.emplace_back();
         return true;
     }
@@ -113,14 +112,15 @@ private:
 
     std::string_view text_;
     const size_t& taken_;
+    const JsonRules& rules_;
     std::vector<std::set<std::string>> keys_;  // of the objects that are open; arrays have none
 };
 
 }  // namespace
 
-json parseJson(std::string_view text) {
+json parseJson(std::string_view text, const JsonRules& rules) {
     size_t taken = 0;
-    StrictChecker checker(text, taken);
+    StrictChecker checker(text, taken, rules);
     json::sax_parse(CountingIterator{text.data(), &taken},
                     CountingIterator{text.data() + text.size(), &taken}, &checker);
     return json::parse(text);

@@ -10,9 +10,14 @@
 
 namespace tilefarm {
 
-/// Parses a text as JSON. Throws Error(invalidArgument) with line and column of the fault; also for
-/// duplicate keys and for nesting deeper than 64.
-nlohmann::json parseJson(std::string_view text);
+struct JsonRules {
+    bool repeatedNames = false;  // of members of one object: the last counts
+    size_t deepest = 64;         // levels of nesting
+};
+
+/// Parses a text as JSON. Throws Error(invalidArgument) with line and column of the fault; also of what the
+/// rules forbid.
+nlohmann::json parseJson(std::string_view text, const JsonRules& rules = {});
 
 /// Job JSON -> JobSpec, or Error(invalidArgument) whose `faults` lists every fault with its JSON
 /// pointer: wrong types, unknown members, values out of range, unsafe paths, missing files.

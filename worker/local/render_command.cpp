@@ -144,7 +144,7 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
     requireValid(render);
     for (const fs::path& output : {render.exr, render.png, render.report}) requireFolderOf(output);
     JobSpec spec = render.spec;
-    spec.scene = bundleOf(render.files);
+    spec.scene = bundleOf(render.files, spec.strict);
     spec.image = pictureSize(bytesOfGltf(readWhole(render.files.entry)), spec);
     jobFromJson(toJson(spec));  // the rules between members, now that its size is known
 

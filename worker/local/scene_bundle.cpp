@@ -2,9 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+#include <optional>
+
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
 #include "worker/scene/gltf_file.h"
+#include "worker/scene/part_list.h"
 #include "worker/scene/uri.h"
 
 namespace fs = std::filesystem;
@@ -12,15 +17,31 @@ namespace fs = std::filesystem;
 namespace tilefarm {
 namespace {
 
-void addNamedFiles(const JsonNode& list, const fs::path& folder, SceneBundle& bundle) {
-    for (size_t i = 0; i < list.size(); ++i) {
-        const JsonNode uri = list[i]["uri"];
-        if (!uri || isDataUri(uri.text())) continue;
-        const fs::path path = relativePathOf(uri);
-        if (!fs::is_regular_file(folder / path))
-            uri.fail(fmt::format("names {}, which is not there", (folder / path).string()));
-        bundle.files.try_emplace(path.generic_string(), sha256OfFile(folder / path));
+/// A file that the scene names, or nothing: those that are not there are the loader's affair, which knows
+/// what is needed.
+std::optional<TidyPath> namedFile(const JsonNode& element, const fs::path& entry) {
+    std::optional<TidyPath> named;
+    readIfSound(element, [&] {
+        const JsonNode uri = element["uri"];
+        if (!uri || isDataUri(uri.text())) return;
+        const TidyPath path = relativePathOf(uri, std::numeric_limits<size_t>::max());
+        if (const std::string fault = referenceFault(path); !fault.empty()) uri.fail(fault);
+        const fs::path file = BundleRoot(entry, path.levelsUp).fileOf(path);
+        if (!fs::is_regular_file(file)) uri.fail(fmt::format("names {}, which is not there", file.string()));
+        named = path;
+    });
+    return named;
+}
+
+std::vector<TidyPath> namedFiles(const GltfFile& gltf, const fs::path& entry) {
+    std::vector<TidyPath> files;
+    for (const char* list : {"buffers", "images"}) {
+        const JsonNode elements = gltf.root()[list];
+        for (size_t i = 0; i < elements.size(); ++i)
+            if (std::optional<TidyPath> file = namedFile(elements[i], entry))
+                files.push_back(*std::move(file));
     }
+    return files;
 }
 
 // As the command line names it in a job, so that both renders of a scene carry the same scene hash.
@@ -32,14 +53,19 @@ std::string environmentName(const SceneBundle& bundle, const fs::path& file) {
 
 }  // namespace
 
-SceneBundle bundleOf(const SceneFiles& files) {
+SceneBundle bundleOf(const SceneFiles& files, bool strict) {
     SceneBundle bundle;
-    const fs::path folder = files.entry.parent_path();
-    bundle.entry = files.entry.filename().string();
-    const GltfFile gltf(files.entry);
+    const GltfFile gltf(files.entry, {.strict = strict});
+    const std::vector<TidyPath> named = namedFiles(gltf, files.entry);
+    size_t levelsUp = 0;
+    for (const TidyPath& path : named) levelsUp = std::max(levelsUp, path.levelsUp);
+    const BundleRoot root(files.entry, levelsUp);
+    bundle.entry = root.entry();
     bundle.files[bundle.entry] = sha256OfFile(files.entry);
-    addNamedFiles(gltf.root()["buffers"], folder, bundle);
-    addNamedFiles(gltf.root()["images"], folder, bundle);
+    for (const TidyPath& path : named) {
+        const std::string name = root.nameOf(path);
+        if (!bundle.files.contains(name)) bundle.files[name] = sha256OfFile(root.fileOf(path));
+    }
     if (!files.environment.empty()) {
         bundle.environment = environmentName(bundle, files.environment);
         bundle.files[bundle.environment] = sha256OfFile(files.environment);

@@ -123,9 +123,8 @@ bool isUnsigned(ComponentType type) {
 }  // namespace
 
 Accessors::Accessors(const JsonNode& root, BufferViews& views) : nodes_(root["accessors"]), views_(views) {
-    accessors_.reserve(nodes_.size());
     for (size_t i = 0; i < nodes_.size(); ++i) {
-        accessors_.push_back(parse(nodes_[i]));
+        accessors_.add(nodes_[i], [&] { return parse(nodes_[i]); });
     }
 }
 

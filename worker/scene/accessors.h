@@ -30,7 +30,8 @@ struct Accessor {
     std::optional<Sparse> sparse;
 };
 
-/// The accessors of a glTF file. Construction checks each one against its views; reading converts to
+/// The accessors of a glTF file. Construction checks each one against its views, and a broken one is a
+/// warning until it is asked for (part_list.h); reading converts to
 /// floats (normalised integers as the specification says) or to indices.
 class Accessors {
 public:
@@ -66,7 +67,7 @@ private:
 
     JsonNode nodes_;
     BufferViews& views_;
-    std::vector<Accessor> accessors_;
+    PartList<Accessor> accessors_;
     uint64_t unbacked_ = 0;  // bytes read since beginPose()
 };
 

@@ -18,6 +18,20 @@ Interpolation parseInterpolation(const JsonNode& node) {
     node.fail(fmt::format("is \"{}\", must be LINEAR, STEP or CUBICSPLINE", word));
 }
 
+void checkTimes(const std::vector<float>& times, const JsonNode& input) {
+    for (size_t i = 0; i < times.size(); ++i) {
+        if (std::isfinite(times[i]) && (i == 0 || times[i] > times[i - 1])) {
+            continue;
+        }
+        const std::string fault =
+            fmt::format("key {} is at {} s: times must be finite and grow", i, times[i]);
+        if (!std::isfinite(times[i]) || times[i] < times[i - 1]) {
+            input.fail(fault);
+        }
+        input.tolerate(fault, "the later of two keys at one time holds from then on");
+    }
+}
+
 /// The times and values of one sampler; its width is what the counts say.
 Keyframes parseSampler(LoadContext& load, const JsonNode& sampler) {
     const JsonNode input = sampler["input"], output = sampler["output"];
@@ -28,11 +42,7 @@ Keyframes parseSampler(LoadContext& load, const JsonNode& sampler) {
     if (keys.times.empty()) {
         input.fail("has no keys");
     }
-    for (size_t i = 0; i < keys.times.size(); ++i) {
-        if (!std::isfinite(keys.times[i]) || (i > 0 && keys.times[i] <= keys.times[i - 1])) {
-            input.fail(fmt::format("key {} is at {} s: times must be finite and grow", i, keys.times[i]));
-        }
-    }
+    checkTimes(keys.times, input);
     const auto bad =
         std::find_if(keys.values.begin(), keys.values.end(), [](float v) { return !std::isfinite(v); });
     if (bad != keys.values.end()) {
@@ -142,7 +152,11 @@ Animations::Animations(LoadContext& load, const std::string& play, bool loop) : 
         const std::string name = animations[i]["name"].textOr(fmt::format("animations/{}", i));
         names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name);
         found |= name == play;
-        read(load, animations[i], play == "all" || name == play);
+        if (play == "all" || name == play) {
+            read(load, animations[i]);
+        } else {
+            checkUnplayed(load, animations[i]);
+        }
     }
     if (!found) {
         load.file.root()["animations"].fail(
@@ -150,52 +164,61 @@ Animations::Animations(LoadContext& load, const std::string& play, bool loop) : 
     }
 }
 
-void Animations::read(LoadContext& load, const JsonNode& animation, bool played) {
+void Animations::read(LoadContext& load, const JsonNode& animation) {
     const JsonNode channels = animation["channels"], samplers = animation["samplers"];
-    std::vector<Keyframes> keys;
-    double length = 0;
+    PartList<Keyframes> keys;
     for (size_t i = 0; i < samplers.size(); ++i) {
-        keys.push_back(parseSampler(load, samplers[i]));
-        length = std::max(length, double{keys.back().times.back()});
+        keys.add(samplers[i], [&] { return parseSampler(load, samplers[i]); });
     }
     const size_t before = tracks_.size();
+    double length = 0;
     for (size_t i = 0; i < channels.size(); ++i) {
         const uint32_t sampler = channels[i]["sampler"].index(samplers.size(), "samplers");
         const std::string pointer = pointerOf(load, channels[i]["target"]);
-        if (!pointer.empty()) {
-            add(load, channels[i], {pointer, keys[sampler], Kind::number, length}, played);
+        if (pointer.empty()) {
+            continue;
+        }
+        if (!animationTarget(pointer)) {
+            load.warn("animation of " + pointer, channels[i], "left at rest");
+        } else {
+            add(load, channels[i], {pointer, keys[sampler], Kind::number, 0});
         }
     }
-    if (!played) {
-        tracks_.resize(before);
+    for (size_t i = 0; i < keys.size(); ++i) {
+        readIfSound(samplers[i], [&] { length = std::max(length, double{keys[i].times.back()}); });
+    }
+    for (size_t i = before; i < tracks_.size(); ++i) {
+        tracks_[i].length = length;
     }
 }
 
-void Animations::add(LoadContext& load, const JsonNode& channel, Track track, bool played) {
-    const auto target = animationTarget(track.pointer);
-    if (!target) {
-        if (played) {
-            load.warn("animation of " + track.pointer, channel, "left at rest");
-        }
-        return;
-    }
+void Animations::checkUnplayed(LoadContext& load, const JsonNode& animation) {
+    const size_t before = tracks_.size();
+    std::vector<SceneWarning> warnings = load.scene.warnings;
+    readIfSound(animation, [&] { read(load, animation); });
+    tracks_.resize(before);
+    load.scene.warnings = std::move(warnings);  // what does not play is not rendered otherwise
+}
+
+void Animations::add(LoadContext& load, const JsonNode& channel, Track track) {
+    const AnimationTarget target = *animationTarget(track.pointer);
     const JsonNode root = load.file.root(), where = channel["target"];
     const JsonNode owner = follow(root, ownerOf(track.pointer), where);
-    if (track.pointer.starts_with("/nodes") && owner["matrix"] && (target->width >= 3)) {
+    if (track.pointer.starts_with("/nodes") && owner["matrix"] && target.width >= 3) {
         where.fail(fmt::format("moves {}, which has a matrix", owner.place()));
     }
-    const size_t width = target->width ? target->width : morphTargets(root, track.pointer, owner, where);
+    const size_t width = target.width ? target.width : morphTargets(root, track.pointer, owner, where);
     if (track.keys.width != width) {
         channel["sampler"].fail(fmt::format("its sampler gives {} numbers a key, but {} has {}",
                                             track.keys.width, track.pointer, width));
     }
-    track.kind = target->flag ? Kind::flag : target->width == 1 ? Kind::number : Kind::array;
-    track.keys.rotation = target->rotation;
+    track.kind = target.flag ? Kind::flag : target.width == 1 ? Kind::number : Kind::array;
+    track.keys.rotation = target.rotation;
     if (track.keys.rotation) {
         checkRotations(track.keys, channel["sampler"]);
     }
     const auto same = [&](const Track& other) { return other.pointer == track.pointer; };
-    if (played && std::any_of(tracks_.begin(), tracks_.end(), same)) {
+    if (std::any_of(tracks_.begin(), tracks_.end(), same)) {
         load.warn("animations", where,
                   fmt::format("moves {} as another does; the later one holds", track.pointer));
     }
@@ -205,10 +228,12 @@ void Animations::add(LoadContext& load, const JsonNode& channel, Track track, bo
 bool Animations::camerasOnly(const JsonNode& root) const {
     std::vector<bool> joint(root["nodes"].size());
     for (size_t i = 0; i < root["skins"].size(); ++i) {
-        const JsonNode joints = root["skins"][i]["joints"];
-        for (size_t k = 0; k < joints.size(); ++k) {
-            joint[joints[k].index(joint.size(), "/nodes")] = true;
-        }
+        const JsonNode skin = root["skins"][i];
+        readIfSound(skin, [&] {  // a broken one moves nothing
+            for (size_t k = 0; k < skin["joints"].size(); ++k) {
+                joint[skin["joints"][k].index(joint.size(), "/nodes")] = true;
+            }
+        });
     }
     // A node that carries more than a camera carries a mesh, or something by an extension.
     const auto carriesCamerasAlone = [&](uint32_t first) {

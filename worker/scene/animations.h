@@ -14,8 +14,8 @@ namespace tilefarm {
 class Animations {
 public:
     /// `play`: "all", "none" or the name of one. What moves two ways at once takes the later animation's. A
-    /// sampler or channel that makes no sense throws Error(invalidArgument) with its place, also in an
-    /// animation that is not played; a property that is not rendered is a warning.
+    /// sampler or channel that makes no sense throws Error(invalidArgument) with its place; in an animation
+    /// that is not played it is a warning, as a property that is not rendered is.
     Animations(LoadContext& load, const std::string& play, bool loop);
 
     /// Whether anything moves.
@@ -35,8 +35,9 @@ private:
         Kind kind = Kind::number;
         double length = 0;  // of its animation, s
     };
-    void read(LoadContext& load, const JsonNode& animation, bool played);
-    void add(LoadContext& load, const JsonNode& channel, Track track, bool played);
+    void read(LoadContext& load, const JsonNode& animation);
+    void checkUnplayed(LoadContext& load, const JsonNode& animation);
+    void add(LoadContext& load, const JsonNode& channel, Track track);
 
     std::vector<Track> tracks_;
     bool loop_;

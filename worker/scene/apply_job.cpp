@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "shared/job/bundle_paths.h"
 #include "worker/scene/load.h"
 #include "worker/scene/sky.h"
 
@@ -107,6 +108,8 @@ GltfOptions gltfOptionsOf(const JobSpec& job) {
     return {.variant = job.variant,
             .animation = job.motion.animation,
             .loop = job.motion.loop,
+            .strict = job.strict,
+            .levelsUp = levelsAbove(job.scene.entry),
             .microfacets = job.settings.microfacets,
             .fresnel = job.settings.fresnel,
             .lightUnits = job.settings.lightUnits,
@@ -120,7 +123,7 @@ void addJobLights(Scene& scene, const JobSpec& job) {
 void setJobEnvironment(Scene& scene, const JobSpec& job, const std::filesystem::path& file) {
     const EnvironmentKind kind = job.environment.kind;
     const bool wantsFile = kind == EnvironmentKind::automatic || kind == EnvironmentKind::file;
-    if (wantsFile && !file.empty()) loadEnvironment(scene, file);
+    if (wantsFile && !file.empty()) loadEnvironment(scene, file, job.strict);
     setEnvironment(scene, job.environment);
 }
 

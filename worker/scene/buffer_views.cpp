@@ -20,11 +20,18 @@ void checkRange(uint64_t offset, uint64_t length, uint64_t available, const Json
 BufferViews::BufferViews(const GltfFile& file) : file_(file) {
     const JsonNode buffers = file.root()["buffers"];
     for (size_t i = 0; i < buffers.size(); ++i) {
-        buffers_.push_back({buffers[i]["byteLength"].integer(kMaxBufferBytes), std::nullopt});
+        buffers_.add(buffers[i], [&] {
+            return Buffer{buffers[i]["byteLength"].integer(kMaxBufferBytes), std::nullopt};
+        });
+        // One that is missing may be the fallback of what is compressed, or of an animation that does not
+        // play.
+        if (const JsonNode uri = buffers[i]["uri"]) {
+            readIfSound(buffers[i], [&] { file.requireThere(uri); });
+        }
     }
     const JsonNode views = file.root()["bufferViews"];
     for (size_t i = 0; i < views.size(); ++i) {
-        views_.push_back(parseView(views[i]));
+        views_.add(views[i], [&] { return parseView(views[i]); });
     }
 }
 
@@ -35,7 +42,9 @@ BufferViews::View BufferViews::parseView(const JsonNode& node) const {
     view.length = node["byteLength"].integer(kMaxBufferBytes);
     checkRange(view.offset, view.length, buffers_[view.buffer].length, node);
     view.stride = static_cast<uint32_t>(node["byteStride"].integerOr(0, 252));
-    if (node["byteStride"] && view.stride < 4) {
+    if (node["byteStride"] && view.stride == 0) {
+        node["byteStride"].tolerate("must be an integer of 4 … 252, is 0", "read as if it were not given");
+    } else if (node["byteStride"] && view.stride < 4) {
         node["byteStride"].fail(fmt::format("must be an integer of 4 … 252, is {}", view.stride));
     }
     view.compressed = parseMeshopt(node, buffers_.size());
@@ -76,9 +85,9 @@ std::span<const std::byte> BufferViews::bytes(uint32_t index) {
     }
     if (!view.decoded) {
         const MeshoptView& compressed = *view.compressed;
-        view.decoded =
-            decodeMeshopt(compressed, buffer(compressed.buffer).subspan(compressed.offset, compressed.length),
-                          file_.root()["bufferViews"][index]);
+        const JsonNode node = file_.root()["bufferViews"][index];
+        const auto data = buffer(compressed.buffer).subspan(compressed.offset, compressed.length);
+        view.decoded = decodeMeshopt(compressed, data, node);
     }
     return *view.decoded;
 }

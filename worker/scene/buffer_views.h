@@ -7,11 +7,13 @@
 
 #include "worker/scene/gltf_file.h"
 #include "worker/scene/meshopt.h"
+#include "worker/scene/part_list.h"
 
 namespace tilefarm {
 
-/// The buffers and buffer views of a glTF file. Construction checks every range; bytes are loaded and
-/// decompressed when first asked for. Throws Error(invalidArgument) with the place of the fault.
+/// The buffers and buffer views of a glTF file. Construction checks every range, and a broken view is a
+/// warning until it is asked for (part_list.h); bytes are loaded and decompressed when first asked for.
+/// Throws Error(invalidArgument) with the place of the fault.
 class BufferViews {
 public:
     explicit BufferViews(const GltfFile& file);
@@ -40,8 +42,8 @@ private:
     std::span<const std::byte> buffer(uint32_t index);
 
     const GltfFile& file_;
-    std::vector<Buffer> buffers_;
-    std::vector<View> views_;
+    PartList<Buffer> buffers_;
+    PartList<View> views_;
 };
 
 }  // namespace tilefarm

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -81,15 +82,23 @@ PunctualType parseType(const JsonNode& node) {
     node.fail(fmt::format("is \"{}\", must be point, spot or directional", type));
 }
 
+/// rad: what degrees and single precision leave of two angles that are meant to be one.
+constexpr double kRounding = 1e-4;
+
 void parseCone(const JsonNode& spot, PunctualLight& light) {
     constexpr double quarter = std::numbers::pi / 2;
     const double inner = spot["innerConeAngle"].numberOr(0);
     const double outer = spot["outerConeAngle"].numberOr(quarter / 2);
-    // A float's pi/2 is a little more than pi/2, and files round.
-    if (!(inner >= 0 && inner <= outer && outer <= quarter + 1e-6)) {
-        spot.fail(fmt::format("its cones must be 0 <= inner <= outer <= pi/2, are {} and {}", inner, outer));
+    const std::string fault =
+        fmt::format("its cones must be 0 <= inner <= outer <= pi/2, are {} and {}", inner, outer);
+    if (!(inner >= -kRounding && inner <= outer + kRounding && outer >= 0 && outer <= quarter + kRounding)) {
+        spot.fail(fault);
     }
-    light.innerCone = static_cast<float>(inner);
+    // A float's pi/2 is a little more than pi/2, which is no fault.
+    if (!(inner >= 0 && inner <= outer && outer <= quarter + 1e-6)) {
+        spot.tolerate(fault, "rendered with the nearest that are");
+    }
+    light.innerCone = static_cast<float>(std::clamp(inner, 0.0, std::min(outer, quarter)));
     light.outerCone = static_cast<float>(std::min(outer, quarter));
 }
 
@@ -110,7 +119,11 @@ PunctualLight parseLight(const JsonNode& node, double unit) {
         }
     }
     if (const JsonNode range = node["range"]; range && light.type != PunctualType::directional) {
-        light.range = positive(range);
+        if (range.number() == 0) {
+            range.tolerate("must be greater than 0, is 0", "read as if it were not given: no end");
+        } else {
+            light.range = positive(range);
+        }
     }
     if (light.type == PunctualType::spot) {
         parseCone(node["spot"], light);
@@ -128,28 +141,33 @@ void warnOfPunctualMembers(LoadContext& load, const JsonNode& node) {
     }
 }
 
+GltfLight readLight(LoadContext& load, const JsonNode& node) {
+    GltfLight light;
+    light.punctual = parseLight(node, load.lightUnit);
+    light.area = readVendorLight(node["extensions"]["TILEFARM_lights"], light.punctual);
+    warnOfNotRendered(load, node);
+    if (light.area) {
+        warnOfPunctualMembers(load, node);
+    }
+    return light;
+}
+
 }  // namespace
 
-std::vector<Camera> parseCameras(LoadContext& load) {
+PartList<Camera> parseCameras(LoadContext& load) {
     const JsonNode nodes = load.file.root()["cameras"];
-    std::vector<Camera> cameras;
+    PartList<Camera> cameras;
     for (size_t i = 0; i < nodes.size(); ++i) {
-        cameras.push_back(parseCamera(load, nodes[i]));
+        cameras.add(nodes[i], [&] { return parseCamera(load, nodes[i]); });
     }
     return cameras;
 }
 
-std::vector<GltfLight> parseLights(LoadContext& load) {
+PartList<GltfLight> parseLights(LoadContext& load) {
     const JsonNode nodes = load.file.root()["extensions"]["KHR_lights_punctual"]["lights"];
-    std::vector<GltfLight> lights;
+    PartList<GltfLight> lights;
     for (size_t i = 0; i < nodes.size(); ++i) {
-        GltfLight& light = lights.emplace_back();
-        light.punctual = parseLight(nodes[i], load.lightUnit);
-        light.area = readVendorLight(nodes[i]["extensions"]["TILEFARM_lights"], light.punctual);
-        warnOfNotRendered(load, nodes[i]);
-        if (light.area) {
-            warnOfPunctualMembers(load, nodes[i]);
-        }
+        lights.add(nodes[i], [&] { return readLight(load, nodes[i]); });
     }
     return lights;
 }

@@ -3,11 +3,12 @@
 #include <optional>
 
 #include "worker/scene/load_context.h"
+#include "worker/scene/part_list.h"
 
 namespace tilefarm {
 
-/// Every camera of the file, not yet placed. Throws Error(invalidArgument) with the place of a fault.
-std::vector<Camera> parseCameras(LoadContext& load);
+/// Every camera of the file, not yet placed; the fault of a broken one comes when it is placed.
+PartList<Camera> parseCameras(LoadContext& load);
 
 /// A light as it stands in its node's space: an area light where TILEFARM_lights makes it one.
 struct GltfLight {
@@ -15,7 +16,7 @@ struct GltfLight {
     std::optional<AreaLight> area;
 };
 
-/// Every light of KHR_lights_punctual, not yet placed. Throws as parseCameras does.
-std::vector<GltfLight> parseLights(LoadContext& load);
+/// Every light of KHR_lights_punctual, not yet placed; likewise.
+PartList<GltfLight> parseLights(LoadContext& load);
 
 }  // namespace tilefarm

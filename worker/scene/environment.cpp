@@ -117,9 +117,13 @@ private:
 
 }  // namespace
 
-void loadEnvironment(Scene& scene, const std::filesystem::path& path) {
+void loadEnvironment(Scene& scene, const std::filesystem::path& path, bool strict) {
     EnvironmentPicture picture = readNamed(path);
     const std::string name = picture.image.name = path.filename().string();
+    for (const std::string& departure : picture.departures) {
+        if (strict) throw Error(ErrorCode::invalidArgument, fmt::format("{}: {}", path.string(), departure));
+        scene.warnings.push_back({"not valid Radiance", name, departure});
+    }
     TexelRepair repair(picture);
     std::vector<float>& texels = picture.image.rgbaFloat;
     for (size_t i = 0; i < texels.size(); i += 4) repair.repair(&texels[i]);

@@ -22,6 +22,7 @@ struct EnvironmentPicture {
     std::array<float, 3> infinity{0, 0, 0};
     double aspect = 2;               // width by height as the file means it to be shown
     std::vector<std::string> notes;  // what of the file is passed over, for warnings
+    std::vector<std::string> departures{};  // from its format, which other readers do not mind
 };
 
 /// An OpenEXR picture of R, G and B, of Y alone, or of Y, RY and BY. Its display window is the sphere and

@@ -55,7 +55,7 @@ struct GltfSource::Impl {
     Impl(const std::filesystem::path& from, const GltfOptions& given)
         : path(from),
           options(given),
-          file(from),
+          file(from, {given.strict, given.levelsUp}),
           views(file),
           accessors(file.root(), views),
           load{file, views, accessors, scene},
@@ -82,11 +82,30 @@ struct GltfSource::Impl {
         applyOverrides(scene, options.materials);
         meshes->beginPose();
         loadNodes(load, *meshes, skins);
+        requireSomething();
         scene.degenerateTriangles = meshes->degenerateTriangles();
         textures.decodeUsed(scene.materials, meshes->usedMaterials());
+        takeWarnings();
+    }
+
+    /// Of a broken file that shows nothing at all its owner wants to hear what is wrong, not to see an empty
+    /// picture.
+    void requireSomething() const {
+        const bool empty = scene.instances.empty() && scene.shapes.empty() && scene.cameras.empty() &&
+                           scene.lights.empty() && scene.areaLights.empty();
+        if (const std::optional<Error>& fault = file.document().firstForgiven(); empty && fault) throw *fault;
+    }
+
+    /// Those that the document has gathered since the last pose.
+    void takeWarnings() {
+        const std::vector<SceneWarning>& all = file.document().warnings();
+        scene.warnings.insert(scene.warnings.end(), all.begin() + static_cast<std::ptrdiff_t>(taken),
+                              all.end());
+        taken = all.size();
     }
 
     std::filesystem::path path;
+    size_t taken = 0;  // of the document's warnings
     GltfOptions options;
     GltfFile file;
     BufferViews views;
@@ -95,7 +114,7 @@ struct GltfSource::Impl {
     LoadContext load;
     Textures textures;
     Animations animations;
-    std::vector<Skin> skins;
+    PartList<Skin> skins;
     std::optional<Meshes> meshes;
 };
 

@@ -11,9 +11,11 @@
 namespace tilefarm {
 
 struct GltfOptions {
-    std::string variant;            // of KHR_materials_variants by name; empty: the file's default materials
+    std::string variant = {};       // of KHR_materials_variants by name; empty: the file's default materials
     std::string animation = "all";  // plays: "all", "none", or one by name
     bool loop = false;              // each animation starts again at its end, else it stays there
+    bool strict = false;            // faults that are tolerated, or of what is not used, stop the load
+    size_t levelsUp = 0;            // above the file's folder that its references may lead
     Microfacets microfacets = Microfacets::ggx;    // of materials that do not say theirs
     Fresnel fresnel = Fresnel::exact;              // likewise
     LightUnits lightUnits = LightUnits::radiometric;  // of KHR_lights_punctual

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <unordered_set>
@@ -14,6 +15,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxDepth = 128;
+constexpr size_t kMostWarnings = 200;
+constexpr const char* kInvalid = "not valid glTF";
 
 std::string escapePointer(std::string_view key) {
     std::string escaped;
@@ -36,28 +39,68 @@ std::string escapePointer(std::string_view key) {
 /// Watches the parser for nesting and repeated keys, which nlohmann::json itself accepts.
 class StructureCheck {
 public:
-    explicit StructureCheck(const std::string& file) : file_(file) {}
+    explicit StructureCheck(JsonSource& source) : source_(source) {}
 
     bool operator()(int depth, json::parse_event_t event, const json& parsed) {
         if (depth > kMaxDepth) {
-            failDocument(file_, fmt::format("the JSON is nested deeper than {} levels", kMaxDepth));
+            failDocument(source_.file, fmt::format("the JSON is nested deeper than {} levels", kMaxDepth));
         }
-        if (event == json::parse_event_t::object_start) {
-            keys_.emplace_back();
-        } else if (event == json::parse_event_t::object_end) {
-            keys_.pop_back();
-        } else if (event == json::parse_event_t::key) {
-            const auto& key = parsed.get_ref<const std::string&>();
-            if (!keys_.back().insert(key).second) {
-                failDocument(file_, fmt::format("the JSON key \"{}\" stands twice in one object", key));
-            }
+        switch (event) {
+            case json::parse_event_t::object_start:
+            case json::parse_event_t::array_start: open(event == json::parse_event_t::array_start); break;
+            case json::parse_event_t::object_end:
+            case json::parse_event_t::array_end: levels_.pop_back(); break;
+            case json::parse_event_t::key: take(parsed.get_ref<const std::string&>()); break;
+            case json::parse_event_t::value: countElement(); break;
         }
         return true;
     }
 
 private:
-    const std::string& file_;
-    std::vector<std::unordered_set<std::string>> keys_;
+    struct Level {
+        bool array = false, extras = false;  // extras: within what is no part of the scene
+        size_t elements = 0;
+        std::string step;  // to the value that is read now
+        std::unordered_set<std::string> keys;
+    };
+
+    void countElement() {
+        if (!levels_.empty() && levels_.back().array) {
+            levels_.back().step = std::to_string(levels_.back().elements++);
+        }
+    }
+
+    void open(bool array) {
+        countElement();
+        Level level;
+        level.array = array;
+        level.extras = !levels_.empty() && (levels_.back().extras || levels_.back().step == "extras");
+        levels_.push_back(std::move(level));
+    }
+
+    void take(const std::string& key) {
+        Level& level = levels_.back();
+        level.step = key;
+        if (level.keys.insert(key).second) {
+            return;
+        }
+        const std::string fault = fmt::format("the JSON key \"{}\" stands twice in one object", key);
+        if (!level.extras || source_.strict) {
+            failDocument(source_.file, fmt::format("{}: {}", place(), fault));
+        }
+        source_.warn(kInvalid, place().substr(1), fault + "; nothing reads it");
+    }
+
+    std::string place() const {
+        std::string place;
+        for (const Level& level : levels_) {
+            place += "/" + escapePointer(level.step);
+        }
+        return place;
+    }
+
+    JsonSource& source_;
+    std::vector<Level> levels_;
 };
 
 }  // namespace
@@ -65,17 +108,17 @@ private:
 JsonNode JsonNode::operator[](std::string_view key) const {
     std::string place = place_ + "/" + escapePointer(key);
     if (!value_) {
-        return {nullptr, std::move(place), file_};
+        return {nullptr, std::move(place), source_};
     }
     if (!value_->is_object()) {
         failType("an object");
     }
     auto found = value_->find(key);
-    return {found == value_->end() ? nullptr : &*found, std::move(place), file_};
+    return {found == value_->end() ? nullptr : &*found, std::move(place), source_};
 }
 
 JsonNode JsonNode::operator[](size_t index) const {
-    return {&value().at(index), fmt::format("{}/{}", place_, index), file_};
+    return {&value().at(index), fmt::format("{}/{}", place_, index), source_};
 }
 
 bool JsonNode::isString() const {
@@ -190,7 +233,7 @@ std::vector<double> JsonNode::numbers(size_t count) const {
 
 void JsonNode::fail(const std::string& fault) const {
     const std::string shown = place_.empty() ? "/" : place_;
-    throw Error(ErrorCode::invalidArgument, fmt::format("{}: {}: {}", *file_, shown, fault),
+    throw Error(ErrorCode::invalidArgument, fmt::format("{}: {}: {}", source_->file, shown, fault),
                 {{place_, fault}});
 }
 
@@ -205,14 +248,57 @@ void JsonNode::failType(const char* wanted) const {
     fail(fmt::format("must be {}, is {}", wanted, value_->type_name()));
 }
 
-JsonDocument::JsonDocument(std::string_view text, std::string file) : file_(std::move(file)) {
+void JsonNode::tolerate(const std::string& fault, const std::string& instead) const {
+    if (source_->strict) {
+        fail(fault);
+    }
+    warn(kInvalid, fmt::format("{}; {}", fault, instead));
+}
+
+void JsonNode::forgive(const Error& fault) const {
+    if (source_->strict) {
+        throw fault;
+    }
+    // Without the file's place on this machine, which is nobody else's affair.
+    const bool placed = !fault.faults.empty();
+    warn("broken, not used",
+         placed ? fault.faults[0].pointer + ": " + fault.faults[0].message : fault.what());
+    if (!source_->firstForgiven) {
+        source_->firstForgiven = fault;
+    }
+}
+
+void JsonNode::warn(const std::string& feature, const std::string& instead) const {
+    source_->warn(feature, labelOf(*this), instead);
+}
+
+std::string labelOf(const JsonNode& node) {
+    std::string label = node.place().empty() ? "" : node.place().substr(1);
+    if (node && node.isObject()) {
+        if (const JsonNode name = node["name"]; name.isString()) {
+            label += " (" + name.text() + ")";
+        }
+    }
+    return label;
+}
+
+void JsonSource::warn(const std::string& feature, const std::string& where, const std::string& instead) {
+    const auto same = [&](const SceneWarning& w) { return w.feature == feature && w.where == where; };
+    if (warnings.size() < kMostWarnings && std::none_of(warnings.begin(), warnings.end(), same)) {
+        warnings.push_back({feature, where, instead});
+        if (warnings.size() == kMostWarnings) warnings.back().instead += "; further faults are not listed";
+    }
+}
+
+JsonDocument::JsonDocument(std::string_view text, std::string file, bool strict)
+    : source_(std::make_unique<JsonSource>(JsonSource{std::move(file), strict})) {
     try {
-        json_ = std::make_unique<json>(json::parse(text.begin(), text.end(), StructureCheck(file_)));
+        json_ = std::make_unique<json>(json::parse(text.begin(), text.end(), StructureCheck(*source_)));
     } catch (const json::exception& fault) {
-        failDocument(file_, fmt::format("is not valid JSON: {}", fault.what()));
+        failDocument(source_->file, fmt::format("is not valid JSON: {}", fault.what()));
     }
     if (!json_->is_object()) {
-        failDocument(file_, "the JSON is not an object");
+        failDocument(source_->file, "the JSON is not an object");
     }
 }
 
@@ -234,15 +320,15 @@ void setAt(json& document, const std::string& file, const std::string& pointer, 
 }  // namespace
 
 void JsonDocument::set(const std::string& pointer, const std::vector<double>& numbers) {
-    setAt(*json_, file_, pointer, numbers);
+    setAt(*json_, source_->file, pointer, numbers);
 }
 
 void JsonDocument::set(const std::string& pointer, double number) {
-    setAt(*json_, file_, pointer, number);
+    setAt(*json_, source_->file, pointer, number);
 }
 
 void JsonDocument::set(const std::string& pointer, bool flag) {
-    setAt(*json_, file_, pointer, flag);
+    setAt(*json_, source_->file, pointer, flag);
 }
 
 }  // namespace tilefarm

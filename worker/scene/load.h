@@ -17,8 +17,9 @@ Scene loadGltf(const std::filesystem::path& path, const std::string& variant = {
 /// Loads a picture of all directions: equirectangular .hdr, .exr, .png or .jpg, or an .exr that is a cube
 /// map. Channels below 0 become 0, infinite ones the largest finite value, texels with one that is not a
 /// number black; of that and of what else the file holds and is not used `scene.warnings` tell. Throws
-/// Error(invalidArgument) that names the file and the fault.
-void loadEnvironment(Scene& scene, const std::filesystem::path& path);
+/// Error(invalidArgument) that names the file and the fault; if `strict` also of what other readers take
+/// though its format does not know it.
+void loadEnvironment(Scene& scene, const std::filesystem::path& path, bool strict = false);
 
 /// Surrounds a scene that has no light at all (no environment, light or emissive surface) with white
 /// light of radiance 1 and says so in `scene.warnings`: a black image helps nobody. Call after

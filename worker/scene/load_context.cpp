@@ -12,14 +12,10 @@ void LoadContext::warn(const std::string& feature, const JsonNode& where, const 
     }
 }
 
-std::string labelOf(const JsonNode& node) {
-    std::string label = node.place().empty() ? "" : node.place().substr(1);
-    if (node && node.isObject()) {
-        if (const JsonNode name = node["name"]; name.isString()) {
-            label += " (" + name.text() + ")";
-        }
+void LoadContext::requireMaterial(uint32_t material) const {
+    if (const auto broken = brokenMaterials.find(material); broken != brokenMaterials.end()) {
+        throw broken->second;
     }
-    return label;
 }
 
 }  // namespace tilefarm

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+
+#include "shared/error/error.h"
 #include "worker/scene/accessors.h"
 #include "worker/scene/gltf_file.h"
 #include "worker/scene/scene.h"
@@ -14,12 +17,13 @@ struct LoadContext {
     Scene& scene;
     uint32_t variant = kNone;  // of KHR_materials_variants
     double lightUnit = 1;      // W/sr or W/m² of an intensity of 1 in KHR_lights_punctual
+    std::map<uint32_t, Error> brokenMaterials = {};  // which stand in the scene as a default one
+
+    /// Throws the fault of a material that is to be rendered.
+    void requireMaterial(uint32_t material) const;
 
     /// Notes what is rendered otherwise, once for each feature and place.
     void warn(const std::string& feature, const JsonNode& where, const std::string& instead);
 };
-
-/// "materials/3 (Cloth)", for people.
-std::string labelOf(const JsonNode& node);
 
 }  // namespace tilefarm

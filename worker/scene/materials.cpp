@@ -82,11 +82,16 @@ Material readMaterial(MaterialReader& reader, const GltfOptions& options) {
 
 std::vector<Material> parseMaterials(LoadContext& load, Textures& textures, const GltfOptions& options) {
     const JsonNode nodes = load.file.root()["materials"];
+    load.brokenMaterials.clear();
     std::vector<Material> materials;
     materials.reserve(nodes.size() + 1);
     for (size_t i = 0; i < nodes.size(); ++i) {
-        MaterialReader reader(load, textures, nodes[i]);
-        materials.push_back(readMaterial(reader, options));
+        Material& material = materials.emplace_back();
+        const std::optional<Error> fault = readIfSound(nodes[i], [&] {
+            MaterialReader reader(load, textures, nodes[i]);
+            material = readMaterial(reader, options);
+        });
+        if (fault) load.brokenMaterials.emplace(static_cast<uint32_t>(i), *fault);
     }
     Material& last = materials.emplace_back();
     last.name = "default";

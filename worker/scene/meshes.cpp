@@ -28,6 +28,13 @@ void keepTriangles(Mesh& mesh, const std::vector<bool>& marks, bool kept) {
     mesh.triangles = std::move(triangles);
 }
 
+void checkMesh(const LoadContext& load, const JsonNode& mesh) {
+    const JsonNode primitives = mesh["primitives"];
+    for (size_t i = 0; i < primitives.size(); ++i) {
+        checkPrimitive(load, primitives[i]);
+    }
+}
+
 }  // namespace
 
 std::vector<double> numbersOf(const JsonNode& array) {
@@ -38,10 +45,7 @@ Meshes::Meshes(LoadContext& load)
     : load_(load), meshes_(load.file.root()["meshes"]), usedMaterials_(load.scene.materials.size(), false) {
     for (const Material& material : load.scene.materials) solid_.push_back(isSolid(material));
     for (size_t i = 0; i < meshes_.size(); ++i) {
-        const JsonNode primitives = meshes_[i]["primitives"];
-        for (size_t p = 0; p < primitives.size(); ++p) {
-            checkPrimitive(load, primitives[p]);
-        }
+        readIfSound(meshes_[i], [&] { checkMesh(load, meshes_[i]); });
     }
 }
 
@@ -52,6 +56,7 @@ const Meshes::Source& Meshes::sourceOf(uint32_t index) {
     if (!isNew) {
         return source;
     }
+    checkMesh(load_, meshes_[index]);
     const JsonNode primitives = meshes_[index]["primitives"];
     for (size_t i = 0; i < primitives.size(); ++i) {
         warnOfNotRendered(load_, primitives[i]);
@@ -174,7 +179,7 @@ uint64_t Meshes::finish(Mesh& mesh) {
     if (mesh.material == kNone) {
         mesh.material = static_cast<uint32_t>(load_.scene.materials.size() - 1);
     }
-    usedMaterials_[mesh.material] = true;
+    use(mesh.material);
     const uint64_t dropped = dropDegenerateTriangles(mesh);
     repairNormals(mesh);
     repairSurface(mesh);

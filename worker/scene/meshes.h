@@ -8,7 +8,8 @@
 
 namespace tilefarm {
 
-/// The meshes of a glTF file. Construction checks all of them; those that nodes ask for are read into
+/// The meshes of a glTF file. Construction checks all of them (a fault is a warning until a node asks for
+/// the mesh); those that nodes ask for are read into
 /// scene.meshes, one per primitive, once for each set of morph weights and for each use with a skin.
 class Meshes {
 public:
@@ -27,7 +28,10 @@ public:
     void beginPose();
 
     /// Something that is no mesh has the material.
-    void use(uint32_t material) { usedMaterials_[material] = true; }
+    void use(uint32_t material) {
+        load_.requireMaterial(material);
+        usedMaterials_[material] = true;
+    }
     /// Whether a mesh that was loaded has the material.
     const std::vector<bool>& usedMaterials() const { return usedMaterials_; }
     size_t count() const { return meshes_.size(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "worker/scene/cameras_lights.h"
 #include "worker/scene/limits.h"
@@ -38,7 +39,11 @@ public:
     JsonNode node(uint32_t index) const { return nodes_[index]; }
     const std::vector<uint32_t>& children(uint32_t index) const { return children_[index]; }
     const std::vector<uint32_t>& roots() const { return roots_; }
-    const glm::dmat4& toWorld(uint32_t index) const { return toWorld_[index]; }
+    /// Throws the fault of a broken transform on the way to the node.
+    const glm::dmat4& toWorld(uint32_t index) const {
+        if (const auto broken = broken_.find(index); broken != broken_.end()) throw broken->second;
+        return toWorld_[index];
+    }
 
 private:
     void findParents() {
@@ -73,13 +78,10 @@ private:
             const uint32_t index = open.back();
             open.pop_back();
             reached[index] = true;
-            const JsonNode node = nodes_[index];
-            toWorld_[index] = toWorld_[index] * localTransform(node);
-            if (!isFinite(toWorld_[index])) {
-                node.fail("its transform, with those of its parents, is not finite");
-            }
+            const bool isBroken = !isSound(index);
             for (uint32_t child : children_[index]) {
                 toWorld_[child] = toWorld_[index];
+                if (isBroken) broken_.emplace(child, broken_.at(index));
                 open.push_back(child);
             }
         }
@@ -90,7 +92,22 @@ private:
         }
     }
 
+    /// Brings the node's own transform in; a fault, also one of its parents, is for who asks for it.
+    bool isSound(uint32_t index) {
+        if (broken_.contains(index)) return false;
+        const JsonNode node = nodes_[index];
+        const std::optional<Error> fault = readIfSound(node, [&] {
+            toWorld_[index] = toWorld_[index] * localTransform(node);
+            if (!isFinite(toWorld_[index])) {
+                node.fail("its transform, with those of its parents, is not finite");
+            }
+        });
+        if (fault) broken_.emplace(index, *fault);
+        return !fault;
+    }
+
     JsonNode nodes_;
+    std::map<uint32_t, Error> broken_;
     std::vector<std::vector<uint32_t>> children_;
     std::vector<glm::dmat4> toWorld_;
     std::vector<uint32_t> roots_;
@@ -113,7 +130,7 @@ std::vector<uint32_t> rootsOfScene(const JsonNode& root, const NodeTree& tree) {
 
 class NodeLoader {
 public:
-    NodeLoader(LoadContext& load, Meshes& meshes, const std::vector<Skin>& skins)
+    NodeLoader(LoadContext& load, Meshes& meshes, const PartList<Skin>& skins)
         : load_(load),
           meshes_(meshes),
           skins_(skins),
@@ -272,16 +289,16 @@ private:
 
     LoadContext& load_;
     Meshes& meshes_;
-    const std::vector<Skin>& skins_;
+    const PartList<Skin>& skins_;
     NodeTree tree_;
-    std::vector<Camera> cameras_;
-    std::vector<GltfLight> lights_;
+    PartList<Camera> cameras_;
+    PartList<GltfLight> lights_;
     ShapeReader shapes_;
 };
 
 }  // namespace
 
-void loadNodes(LoadContext& load, Meshes& meshes, const std::vector<Skin>& skins) {
+void loadNodes(LoadContext& load, Meshes& meshes, const PartList<Skin>& skins) {
     NodeLoader(load, meshes, skins).run();
 }
 

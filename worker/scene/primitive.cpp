@@ -13,6 +13,10 @@
 namespace tilefarm {
 namespace {
 
+/// What is read of a vertex.
+constexpr std::string_view kAttributes[] = {"POSITION", "NORMAL",   "TANGENT",  "TEXCOORD_0", "TEXCOORD_1",
+                                            "COLOR_0",  "JOINTS_0", "JOINTS_1", "WEIGHTS_0",  "WEIGHTS_1"};
+
 PrimitiveMode modeOf(const JsonNode& primitive) {
     return static_cast<PrimitiveMode>(primitive["mode"].integerOr(4, 6));
 }
@@ -205,7 +209,10 @@ void checkPrimitive(const LoadContext& load, const JsonNode& primitive) {
     modeOf(primitive);
     const JsonNode attributes = primitive["attributes"];
     for (const std::string& name : attributes.keys()) {
-        attributes[name].index(accessors, "/accessors");
+        const bool isRead =
+            std::find(std::begin(kAttributes), std::end(kAttributes), name) != std::end(kAttributes);
+        const auto check = [&] { attributes[name].index(accessors, "/accessors"); };
+        isRead ? check() : static_cast<void>(readIfSound(attributes[name], check));
     }
     if (const JsonNode indices = primitive["indices"]) {
         indices.index(accessors, "/accessors");

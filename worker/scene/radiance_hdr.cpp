@@ -165,6 +165,7 @@ EnvironmentPicture decodeRadianceHdr(std::span<const std::byte> bytes) {
     }
     EnvironmentPicture picture;
     picture.toScene = header.toRec709();
+    if (header.blanks) picture.departures.push_back("its header's FORMAT has blanks; read without them");
     picture.aspect = size.width / (size.height * header.pixelAspect);
     Image& image = picture.image;
     image.width = size.width;

@@ -50,6 +50,7 @@ void RadianceHeader::read(std::string_view line) {
     if (equals == std::string_view::npos) return;
     const std::string_view name = trimmed(line.substr(0, equals)), value = trimmed(line.substr(equals + 1));
     if (name == "FORMAT") {
+        blanks = blanks || line.size() != name.size() + 1 + value.size();
         xyz = value == "32-bit_rle_xyze";
         if (!xyz && value != "32-bit_rle_rgbe")
             throw Error(

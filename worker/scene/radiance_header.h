@@ -15,6 +15,8 @@ struct RadianceHeader {
     std::optional<Primaries> primaries;
     bool xyz = false;        // FORMAT=32-bit_rle_xyze
     double pixelAspect = 1;  // PIXASPECT, height by width
+    bool blanks = false;     // FORMAT has some round its value, which the format does not know
+
     /// Takes a line in; what is no "NAME=value" of these is passed over, as the reference wants it. Throws
     /// Error(invalidArgument) where its value cannot be used.
     void read(std::string_view line);

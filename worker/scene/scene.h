@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "shared/job/appearance.h"
+#include "worker/scene/scene_warning.h"
 #include "worker/scene/shapes.h"
 
 /// A scene as plain values, free of glTF and of Vulkan. World space is metres, y up, right handed.
@@ -209,13 +210,6 @@ struct Camera {
 struct CameraPath {
     std::vector<Camera> keys;
     std::optional<glm::dvec3> pivot;
-};
-
-/// What the scene holds and the renderer treats otherwise.
-struct SceneWarning {
-    std::string feature;  // "KHR_materials_sheen"
-    std::string where;    // "materials/3 (Cloth)"
-    std::string instead;  // "rendered without sheen"
 };
 
 struct Scene {

@@ -36,8 +36,10 @@ glm::dvec3 boxSize(const JsonNode& node) {
 ShapeReader::ShapeReader(LoadContext& load) : load_(load) {
     const JsonNode extensions = load.file.root()["extensions"];
     const JsonNode implicit = extensions[kImplicit]["shapes"], surfaces = extensions[kVendor]["surfaces"];
-    for (size_t i = 0; i < implicit.size(); ++i) implicit_.push_back(implicitShape(implicit[i]));
-    for (size_t i = 0; i < surfaces.size(); ++i) surfaces_.push_back(surface(surfaces[i]));
+    for (size_t i = 0; i < implicit.size(); ++i)
+        implicit_.add(implicit[i], [&] { return implicitShape(implicit[i]); });
+    for (size_t i = 0; i < surfaces.size(); ++i)
+        surfaces_.add(surfaces[i], [&] { return surface(surfaces[i]); });
 }
 
 ShapeReader::Declared ShapeReader::implicitShape(const JsonNode& node) {

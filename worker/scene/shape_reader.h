@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "worker/scene/load_context.h"
+#include "worker/scene/part_list.h"
 
 namespace tilefarm {
 
 /// The shapes that a file declares: KHR_implicit_shapes, and TILEFARM_shapes (docs/vendor-extensions.md) for
-/// what the former lacks. Throws Error(invalidArgument) with the place of a fault.
+/// what the former lacks. The fault of a broken one comes when a node shows it.
 class ShapeReader {
 public:
     explicit ShapeReader(LoadContext& load);
@@ -27,7 +28,7 @@ private:
     void warnOf(const Shape& shape, bool endless, const JsonNode& node) const;
 
     LoadContext& load_;
-    std::vector<Declared> implicit_, surfaces_;
+    PartList<Declared> implicit_, surfaces_;
 };
 
 }  // namespace tilefarm

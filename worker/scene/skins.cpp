@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "worker/scene/mesh_repair.h"
@@ -43,6 +44,9 @@ glm::dmat3 normalMatrix(const glm::dmat3& m) {
     return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
+/// A negative weight as small as this is what is left of a difference or a quantisation.
+constexpr double kRounding = 1e-4;
+
 class Blender {
 public:
     Blender(const Influences& influences, const std::vector<glm::dmat4>& joints, const JsonNode& primitive)
@@ -56,10 +60,7 @@ public:
                 continue;
             }
             for (int i = 0; i < 4; ++i) {
-                const double weight = influences_.weights[set][vertex][i];
-                if (!(weight >= 0) || !std::isfinite(weight)) {
-                    fail(fmt::format("WEIGHTS_{}", set), vertex, fmt::format("has a weight of {}", weight));
-                }
+                const double weight = weightOf(set, vertex, i);
                 if (weight > 0) {  // joints that weigh nothing may be anything
                     sum += weight * joints_[jointOf(set, vertex, i)];
                     weights += weight;
@@ -70,6 +71,18 @@ public:
     }
 
 private:
+    double weightOf(int set, size_t vertex, int i) const {
+        const double weight = influences_.weights[set][vertex][i];
+        if (!(weight >= -kRounding) || !std::isfinite(weight)) {
+            fail(fmt::format("WEIGHTS_{}", set), vertex, fmt::format("has a weight of {}", weight));
+        }
+        if (weight < 0) {
+            primitive_["attributes"][fmt::format("WEIGHTS_{}", set)].tolerate(
+                fmt::format("vertex {} has a weight of {}", vertex, weight), "rendered with 0");
+        }
+        return std::max(weight, 0.0);
+    }
+
     size_t jointOf(int set, size_t vertex, int i) const {
         const double joint = influences_.joints[set][vertex][i];
         if (!(joint >= 0 && joint < static_cast<double>(joints_.size()))) {
@@ -90,11 +103,11 @@ private:
 
 }  // namespace
 
-std::vector<Skin> parseSkins(LoadContext& load) {
+PartList<Skin> parseSkins(LoadContext& load) {
     const JsonNode nodes = load.file.root()["skins"];
-    std::vector<Skin> skins;
+    PartList<Skin> skins;
     for (size_t i = 0; i < nodes.size(); ++i) {
-        skins.push_back(parseSkin(load, nodes[i]));
+        skins.add(nodes[i], [&] { return parseSkin(load, nodes[i]); });
     }
     return skins;
 }

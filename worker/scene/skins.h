@@ -12,8 +12,8 @@ struct Skin {
     std::vector<glm::dmat4> inverseBind;
 };
 
-/// Every skin of the file. Throws Error(invalidArgument) with the place of a fault.
-std::vector<Skin> parseSkins(LoadContext& load);
+/// Every skin of the file; the fault of a broken one comes when it is used.
+PartList<Skin> parseSkins(LoadContext& load);
 
 /// Up to eight joints of each vertex of a mesh: JOINTS_n and WEIGHTS_n.
 struct Influences {
@@ -23,9 +23,10 @@ struct Influences {
 };
 
 /// Moves the vertices of a mesh along with their joints, in double: positions by Σ w M, normals by its
-/// inverse transpose, tangents by itself. Weights are scaled to a sum of 1 (a vertex of none follows the
-/// first joint). Triangles that the joints mirror are turned round. Faults (a joint that is not there, a
-/// weight that is not finite or negative) are reported at `primitive`.
+/// inverse transpose, tangents by itself. Weights are scaled to a sum of 1; a vertex of none follows the
+/// first joint. Triangles that the joints mirror are turned round. Faults (a
+/// joint that is not there, a weight that is not finite or, beyond rounding, negative) are reported at
+/// `primitive`.
 void applySkin(Mesh& mesh, const Influences& influences, const std::vector<glm::dmat4>& jointMatrices,
                const JsonNode& primitive);
 

@@ -46,11 +46,13 @@ Textures::Textures(LoadContext& load)
       images_(load.file.root()["images"]),
       samplers_(load.file.root()["samplers"]) {
     for (size_t i = 0; i < images_.size(); ++i) {
-        if (const JsonNode view = images_[i]["bufferView"]) {
-            view.index(load.views.count(), "/bufferViews");
-        } else {
-            images_[i]["uri"].text();
-        }
+        readIfSound(images_[i], [&] {
+            if (const JsonNode view = images_[i]["bufferView"]) {
+                view.index(load.views.count(), "/bufferViews");
+            } else {
+                load.file.requireThere(images_[i]["uri"]);
+            }
+        });
     }
 }
 

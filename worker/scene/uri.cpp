@@ -46,7 +46,25 @@ constexpr auto kBase64Values = [] {
     return values;
 }();
 
-std::vector<std::byte> decodeBase64(std::string_view text, const JsonNode& node) {
+/// MIME wraps base64 by lines, and so do some writers of data URIs.
+std::string withoutBlanks(std::string_view text, const JsonNode& node) {
+    constexpr std::string_view blanks = " \t\r\n";
+    std::string kept(text);
+    std::erase_if(kept, [blanks](char c) { return blanks.find(c) != std::string_view::npos; });
+    if (kept.size() != text.size()) {
+        node.tolerate("its base64 data has blanks or line breaks", "read without them");
+    }
+    return kept;
+}
+
+bool sameWord(std::string_view a, std::string_view b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+std::vector<std::byte> decodeBase64(std::string_view given, const JsonNode& node) {
+    const std::string kept = withoutBlanks(given, node);
+    std::string_view text = kept;
     while (!text.empty() && text.back() == '=') {
         text.remove_suffix(1);
     }
@@ -83,7 +101,7 @@ bool hasScheme(std::string_view uri) {
 }  // namespace
 
 bool isDataUri(std::string_view uri) {
-    return uri.substr(0, 5) == "data:";
+    return sameWord(uri.substr(0, 5), "data:");
 }
 
 std::vector<std::byte> decodeDataUri(std::string_view uri, const JsonNode& node) {
@@ -93,7 +111,13 @@ std::vector<std::byte> decodeDataUri(std::string_view uri, const JsonNode& node)
     }
     const std::string_view header = uri.substr(5, comma - 5);
     const std::string_view data = uri.substr(comma + 1);
-    if (header.ends_with(";base64")) {
+    constexpr std::string_view base64 = ";base64";
+    const std::string_view end = header.substr(header.size() - std::min(header.size(), base64.size()));
+    if (!uri.starts_with("data:") || (end != base64 && sameWord(end, base64))) {
+        node.tolerate("does not begin with \"data:\" and name \"base64\" in small letters",
+                      "read as if it did");
+    }
+    if (sameWord(end, base64)) {
         // Some writers percent-encode the padding.
         return data.find('%') == std::string_view::npos ? decodeBase64(data, node)
                                                         : decodeBase64(percentDecode(data, node), node);
@@ -103,7 +127,7 @@ std::vector<std::byte> decodeDataUri(std::string_view uri, const JsonNode& node)
     return {bytes.begin(), bytes.end()};
 }
 
-std::filesystem::path relativePathOf(const JsonNode& uri) {
+TidyPath relativePathOf(const JsonNode& uri, size_t levelsUp) {
     const std::string& text = uri.text();
     if (text.empty()) {
         uri.fail("is empty");
@@ -115,9 +139,12 @@ std::filesystem::path relativePathOf(const JsonNode& uri) {
     if (decoded.find('\0') != std::string::npos || decoded.find('\\') != std::string::npos) {
         uri.fail("must not have zero bytes or backslashes");
     }
-    const auto path = std::filesystem::path(decoded).lexically_normal();
-    if (path.is_absolute() || path.empty() || *path.begin() == "..") {
-        uri.fail(fmt::format("must name a file inside the scene's folder, names \"{}\"", decoded));
+    const TidyPath path = tidyPath(decoded);
+    if (const std::string fault = referenceFault(path); !fault.empty()) {
+        uri.fail(fmt::format("names \"{}\", which {}", decoded, fault));
+    }
+    if (path.levelsUp > levelsUp) {
+        uri.fail(fmt::format("must name a file inside the scene's bundle, names \"{}\"", decoded));
     }
     return path;
 }

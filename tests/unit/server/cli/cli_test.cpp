@@ -74,6 +74,15 @@ TEST_F(CliTest, SubmitUploadsOnlyWhatIsMissing) {
     EXPECT_EQ(out, "2\n");
 }
 
+TEST_F(CliTest, SubmitWarnsOfFilesThatItLeavesOutUnlessStrict) {
+    writeDurably(folder / "scene.gltf", R"({"nodes": [{}], "images": [{"uri": "gone.png"}]})");
+    EXPECT_EQ(run({"submit", path("scene.gltf")}), kDone);
+    EXPECT_THAT(err, AllOf(HasSubstr("warning: "), HasSubstr("/images/0/uri: there is no file"),
+                           HasSubstr("gone.png")));
+    EXPECT_EQ(run({"submit", path("scene.gltf"), "--strict"}), kUsage);
+    EXPECT_THAT(err, HasSubstr("/images/0/uri"));
+}
+
 TEST_F(CliTest, SubmitWaitsAndBringsThePicturesHome) {
     farm.setImage("the picture");
     EXPECT_EQ(run({"submit", path("scene.gltf"), "-o", path("out.exr"), "--png", path("out.png"), "--tone",

@@ -35,7 +35,10 @@ struct SceneBundleTest : testing::Test {
         return error.what();
     }
     std::string faultOfUri(const std::string& uri) {
-        return faultOf(R"({"images": [{}, {"uri": ")" + uri + "\"}]}");
+        return faultOf(R"({"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"material": 0}]}],
+            "materials": [{"normalTexture": {"index": 0}}], "textures": [{"source": 1}],
+            "images": [{}, {"uri": ")" +
+                       uri + "\"}]}");
     }
 };
 
@@ -74,7 +77,7 @@ TEST_F(SceneBundleTest, TellsThePlaceOfEachReference) {
     ASSERT_EQ(references.size(), 2u);
     EXPECT_EQ(references[0].place, "/buffers/0/uri");
     EXPECT_EQ(references[1].place, "/images/1/uri");
-    EXPECT_EQ(references[1].path, "b.png");
+    EXPECT_EQ(references[1].path.text(), "b.png");
 }
 
 TEST_F(SceneBundleTest, LooksIntoAGlb) {
@@ -116,6 +119,94 @@ TEST_F(SceneBundleTest, RefusesUrisThatLeaveTheFolder) {
     for (const char* uri : {"a%2", "a%", "a%zz.png"})
         EXPECT_THAT(faultOfUri(uri), HasSubstr("percent-encoded")) << uri;
     EXPECT_THAT(faultOfUri("a%00.png"), HasSubstr("control character"));
+}
+
+TEST_F(SceneBundleTest, NamesEveryFileOnceHoweverItIsWritten) {
+    const fs::path gltf = put("s.gltf", R"({"images": [{"uri": "sub/../tex.png"}, {"uri": "sub//tex.png"},
+        {"uri": "./tex.png"}, {"uri": "DATA:image/png;base64,AAAA"}]})");
+    put("tex.png", "a");
+    put("sub/tex.png", "b");
+    EXPECT_THAT(bundleScene(gltf).bundle.files,
+                UnorderedElementsAre(Key("s.gltf"), Key("tex.png"), Key("sub/tex.png")));
+}
+
+TEST_F(SceneBundleTest, TakesImagesBesideTheScenesFolderAndNothingElse) {
+    const fs::path gltf = put(
+        "models/s.gltf", R"({"nodes": [{}], "images": [{"uri": "../textures/tex.png"}, {"uri": "../key"}]})");
+    put("textures/tex.png", "tex");
+    put("key", "secret");
+    const BundledScene scene = bundleScene(gltf);
+    EXPECT_EQ(scene.bundle.entry, "models/s.gltf");
+    EXPECT_THAT(scene.bundle.files, UnorderedElementsAre(Key("models/s.gltf"), Key("textures/tex.png")));
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_THAT(scene.warnings[0], HasSubstr("/images/1/uri"));
+}
+
+TEST_F(SceneBundleTest, LeavesOutMissingFilesThatNothingNeeds) {
+    const fs::path gltf =
+        put("s.gltf", R"({"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"material": 0}]}],
+        "materials": [{"occlusionTexture": {"index": 0}, "emissiveTexture": {"index": 0},
+                       "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}},
+                      {"normalTexture": {"index": 0}}],
+        "textures": [{"source": 0}, {"source": 1, "extensions": {"EXT_texture_webp": {"source": 0}}}],
+        "images": [{"uri": "gone.webp"}, {"uri": "there.png"}],
+        "accessors": [{"bufferView": 0}], "bufferViews": [{"buffer": 0}], "buffers": [{"uri": "walk.bin"}],
+        "animations": [{"name": "Walk", "samplers": [{"input": 0, "output": 0}]}]})");
+    put("there.png", "png");
+    JobSpec job;
+    job.motion.animation = "none";
+    EXPECT_THAT(bundleScene(gltf, {}, job).bundle.files,
+                UnorderedElementsAre(Key("s.gltf"), Key("there.png")));
+    EXPECT_EQ(bundleScene(gltf, {}, job).warnings.size(), 2u);
+    job.motion.animation = "Walk";
+    EXPECT_THAT(errorOf([&] { bundleScene(gltf, {}, job); }).what(), HasSubstr("/buffers/0/uri"));
+    job.motion.animation = "none";
+    job.strict = true;
+    EXPECT_EQ(codeOf([&] { bundleScene(gltf, {}, job); }), ErrorCode::invalidArgument);
+}
+
+TEST_F(SceneBundleTest, NeedsTheImagesOfWhatIsShownAlone) {
+    const auto faultOfScene = [&](const std::string& material, const std::string& more, JobSpec job = {}) {
+        const fs::path gltf =
+            put("s.gltf",
+                R"({"nodes": [{"mesh": 0}, {"children": [0]}], "meshes": [{"primitives": [{"material": 0,
+                "extensions": {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1]}]}}}]}],
+                "extensions": {"KHR_materials_variants": {"variants": [{"name": "Dry"}, {"name": "Wet"}]}},
+                "textures": [{"source": 0}], "images": [{"uri": "gone.png"}], "materials": [)" +
+                    material + ", {\"normalTexture\": {\"index\": 0}}]" + more + "}");
+        try {
+            bundleScene(gltf, {}, job);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string plain = "{}", clearcoat = R"({"extensions": {"KHR_materials_clearcoat": {
+        "clearcoatTexture": {"index": 0}, "clearcoatFactor": )";
+    EXPECT_EQ(faultOfScene(clearcoat + "0}}}", ""), "") << "a factor hides it";
+    EXPECT_THAT(faultOfScene(clearcoat + "0.5}}}", ""), HasSubstr("/images/0/uri"));
+    EXPECT_EQ(faultOfScene(plain, ""), "") << "another variant's";
+    JobSpec wet, dry;
+    wet.variant = "Wet", dry.variant = "Dry";
+    EXPECT_THAT(faultOfScene(plain, "", wet), HasSubstr("/images/0/uri"));
+    EXPECT_EQ(faultOfScene(plain, "", dry), "");
+    EXPECT_EQ(faultOfScene(plain, R"(, "scenes": [{"nodes": []}, {"nodes": [1]}])", wet), "")
+        << "another scene's";
+    EXPECT_THAT(faultOfScene(plain, R"(, "scenes": [{"nodes": []}, {"nodes": [1]}], "scene": 1)", wet),
+                HasSubstr("/images/0/uri"));
+    EXPECT_EQ(faultOfScene(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+        "extensions": {"KHR_materials_pbrSpecularGlossiness": {}}})",
+                           ""),
+              "")
+        << "what glossiness replaces";
+}
+
+TEST_F(SceneBundleTest, LeavesReferencesAboveAllFoldersToWhoNeedsThem) {
+    std::string far = "x.png";
+    for (int i = 0; i < 100; ++i) far.insert(0, "../");
+    const fs::path gltf = put("s.gltf", R"({"nodes": [{}], "images": [{"uri": ")" + far + "\"}]}");
+    EXPECT_THAT(bundleScene(gltf).warnings.at(0), HasSubstr("is above all folders"));
+    EXPECT_THAT(faultOfUri(far), HasSubstr("is above all folders"));
 }
 
 TEST_F(SceneBundleTest, RefusesWhatIsNoGltf) {

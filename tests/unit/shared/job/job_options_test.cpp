@@ -61,7 +61,8 @@ TEST(JobOptions, SetChoicesAndNestedMembers) {
                                  "--sky-turbidity",
                                  "3",
                                  "--variant",
-                                 "dusk"});
+                                 "dusk",
+                                 "--strict"});
     JobSpec expected;
     expected.settings.lightSelection = LightSelection::tree;
     expected.settings.directLight = DirectLight::lights;
@@ -75,6 +76,7 @@ TEST(JobOptions, SetChoicesAndNestedMembers) {
     expected.environment.sky.sunElevation = 30;
     expected.environment.sky.turbidity = 3;
     expected.variant = "dusk";
+    expected.strict = true;
     EXPECT_EQ(spec, expected);
     EXPECT_EQ(parsed({"--environment-color", "1", "0.5", "0"}).environment.color, (Color{1, 0.5f, 0}));
     EXPECT_TRUE(parsed({"--environment-visible"}).environment.visible);

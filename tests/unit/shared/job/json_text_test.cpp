@@ -45,6 +45,13 @@ TEST(ParseJson, RefusesDeepNesting) {
     EXPECT_THAT(faultOf(std::string(10'000'000, '[')), HasSubstr("nested deeper"));
 }
 
+TEST(ParseJson, ObeysOtherRules) {
+    const JsonRules rules{.repeatedNames = true, .deepest = 3};
+    EXPECT_EQ(parseJson(R"({"a": 1, "a": 2})", rules)["a"], 2);
+    EXPECT_NO_THROW(parseJson("[[[]]]", rules));
+    EXPECT_THAT(errorOf([&] { parseJson("[[[[]]]]", rules); }).what(), HasSubstr("nested deeper than 3"));
+}
+
 TEST(ParseJson, RefusesNumbersThatNoDoubleHoldsAndWordsThatAreNone) {
     EXPECT_THAT(faultOf("[1e999]"), HasSubstr("1e999"));
     faultOf("[NaN]");

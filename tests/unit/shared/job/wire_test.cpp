@@ -79,6 +79,7 @@ TEST(JobFromJson, TakesBackWhatToJsonWrites) {
     gold.disneyDiffuse = false, gold.microfacets = Microfacets::beckmann, gold.fresnel = Fresnel::exact;
     spec.materials.emplace_back().material = "*";
     spec.variant = "dusk";
+    spec.strict = true;
     spec.stop.samples = 1 << 24;
     spec.priority = 100;
     const json written = toJson(spec);
@@ -166,6 +167,7 @@ TEST(JobFromJson, NamesThePlaceOfEachFault) {
         {R"({"materials": [{"material": "*", "clearcoatGloss": 1, "clearcoatRoughness": 0}]})",
          "/materials/0/clearcoatGloss"},
         {R"({"variant": 1})", "/variant"},
+        {R"({"strict": "yes"})", "/strict"},
         {R"({"sampels": 3})", "/sampels"},
         {R"({"name": 7})", "/name"},
         {R"({"name": "a\u0000b"})", "/name"},

@@ -38,13 +38,27 @@ TEST_F(SceneBundleTest, HoldsEveryFileThatTheSceneNames) {
     EXPECT_EQ(bundle.files.at("environment/sky.hdr"), sha256Hex(std::string_view("hdr")));
 }
 
-TEST_F(SceneBundleTest, NamesAFileThatIsNotThere) {
+TEST_F(SceneBundleTest, LeavesWhatIsNotThereToTheLoaderUnlessStrict) {
     const auto entry =
         write("scene.gltf", R"({"asset": {"version": "2.0"}, "images": [{"uri": "gone.png"}]})");
-    const Error error = errorOf([&] { bundleOf({entry, {}}); });
+    const Error error = errorOf([&] { bundleOf({entry, {}}, true); });
     EXPECT_THAT(error.what(),
                 testing::AllOf(testing::HasSubstr("scene.gltf"), testing::HasSubstr("/images/0/uri"),
                                testing::HasSubstr("gone.png")));
+    EXPECT_EQ(bundleOf({entry, {}}).files.size(), 1u);
+}
+
+TEST_F(SceneBundleTest, ReachesAboveTheSceneAsFarAsItsFiles) {
+    const auto entry = write("models/scene.gltf", R"({"asset": {"version": "2.0"},
+        "images": [{"uri": "../textures/wood.png"}, {"uri": "sub//../near.png"}, {"uri": "../secret.txt"}]})");
+    write("textures/wood.png", "wood");
+    write("models/near.png", "near");
+    write("secret.txt", "secret");
+    const SceneBundle bundle = bundleOf({entry, {}});
+    EXPECT_EQ(bundle.entry, "models/scene.gltf");
+    EXPECT_EQ(bundle.files.size(), 3u);
+    EXPECT_EQ(bundle.files.at("textures/wood.png"), sha256Hex(std::string_view("wood")));
+    EXPECT_EQ(bundle.files.at("models/near.png"), sha256Hex(std::string_view("near")));
 }
 
 TEST_F(SceneBundleTest, AnEnvironmentNeverTakesTheNameOfAnotherFile) {

@@ -251,7 +251,7 @@ TEST_F(AnimationsTest, FaultsAreNamedWithTheirPlace) {
     const std::string sampler = "/animations/0/samplers/0", channel = "/animations/0/channels/0";
     expectFault(
         [&] {
-            animate(node("translation"), {0, 0}, std::vector<float>(6));
+            animate(node("translation"), {1, 0}, std::vector<float>(6));
         },
         sampler + "/input", "grow");
     expectFault(

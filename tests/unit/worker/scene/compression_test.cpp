@@ -152,9 +152,10 @@ TEST_F(MeshoptTest, RefusesCountsThatItsBytesCannotHold) {
     const uint32_t view = attributes(std::vector<glm::vec3>(10, glm::vec3(1, 2, 3)), 12);
     const std::string place = fmt::format("/bufferViews/{}", view);
     builder.set("/buffers/1/byteLength", "12000000000");
+    builder.accessorOf(view, "VEC3", 5126, 10);
     builder.set(place + "/byteLength", "12000000000");
     builder.set(place + "/extensions/EXT_meshopt_compression/count", "1000000000");
-    EXPECT_THAT(errorOf([&] { with([](Accessors&) { return 0; }); }).what(),
+    EXPECT_THAT(errorOf([&] { with([](Accessors& a) { return a.vec3s(0); }); }).what(),
                 HasSubstr("cannot hold 1000000000 elements"));
 }
 

@@ -113,7 +113,7 @@ std::vector<float> texelsUnder(const std::string& lines, const TemporaryFolder& 
 }
 
 TEST_F(EnvironmentTest, DividesRadianceFilesByWhatTheyWereMultipliedBy) {
-    EXPECT_THAT(texelsUnder("EXPOSURE=0.5\nFORMAT= 32-bit_rle_rgbe \nEXPOSURE= 0.25\n", folder, scene),
+    EXPECT_THAT(texelsUnder("EXPOSURE=0.5\nFORMAT=32-bit_rle_rgbe\nEXPOSURE= 0.25\n", folder, scene),
                 ElementsAre(8, 8, 8, 1, 8, 8, 8, 1));
     EXPECT_THAT(texelsUnder("EXPOSURE=2\nCOLORCORR= 0.5 +1.0 2\nCOLORCORR=1 1 2\nSOFTWARE=x\nno assignment\n",
                             folder, scene),
@@ -124,6 +124,22 @@ TEST_F(EnvironmentTest, DividesRadianceFilesByWhatTheyWereMultipliedBy) {
           "EXPOSURE=1e-200\nEXPOSURE=1e-200\n", "COLORCORR=1 1\n", "COLORCORR=1 0 1\n", "PRIMARIES=1 2 3\n",
           "FORMAT=other\n", "PRIMARIES=.3 .3 .3 .3 .3 .3 .3 .3\n", "PIXASPECT=0\n"})
         EXPECT_THAT(errorOf([&] { texelsUnder(line, folder, scene); }).what(), HasSubstr("sky.hdr")) << line;
+}
+
+TEST_F(EnvironmentTest, WarnsOfBlanksRoundAFormatUnlessStrict) {
+    for (const char* line :
+         {"FORMAT= 32-bit_rle_rgbe\n", "FORMAT=32-bit_rle_rgbe \n", "FORMAT\t=32-bit_rle_rgbe\n"}) {
+        scene = {};
+        EXPECT_THAT(texelsUnder(line, folder, scene), ElementsAre(1, 1, 1, 1, 1, 1, 1, 1)) << line;
+        ASSERT_EQ(scene.warnings.size(), 1u) << line;
+        EXPECT_EQ(scene.warnings[0].where, "sky.hdr");
+        EXPECT_THAT(scene.warnings[0].instead, HasSubstr("FORMAT"));
+        EXPECT_THAT(errorOf([&] { loadEnvironment(scene, folder / "sky.hdr", true); }).what(),
+                    HasSubstr("sky.hdr: its header's FORMAT has blanks"));
+    }
+    texelsUnder("FORMAT=32-bit_rle_rgbe\r\n", folder, scene = {});
+    EXPECT_NO_THROW(loadEnvironment(scene, folder / "sky.hdr", true));
+    EXPECT_TRUE(scene.warnings.empty()) << "a line of Windows is none";
 }
 
 TEST_F(EnvironmentTest, ConvertsThePrimariesOfRadianceFiles) {

@@ -140,6 +140,7 @@ TEST_F(NodesTest, PlacesCamerasWithoutTheirScale) {
 }
 
 TEST_F(NodesTest, RefusesCamerasThatSeeNothing) {
+    builder.set("/nodes/1/camera", 0).set("/scenes/0/nodes", "[0, 1]");
     for (const char* camera :
          {R"({"type": "perspective", "perspective": {"yfov": 0}})",
           R"({"type": "perspective", "perspective": {"yfov": 3.2}})", R"({"type": "perspective"})",

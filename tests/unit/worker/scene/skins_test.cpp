@@ -109,6 +109,17 @@ TEST_F(SkinsTest, KeepsItsPrecisionFarFromTheOrigin) {
     EXPECT_EQ(w.upper - w.lower, glm::vec3(1, 1, 0));
 }
 
+TEST_F(SkinsTest, AWeightThatIsNegativeByRoundingIsZero) {
+    skin(R"({"translation": [4, 0, 0]})", R"({"translation": [0, 8, 0]})", {1, -1e-7f, 0, 0});
+    builder.set(
+        "/meshes/0/primitives/0/attributes/JOINTS_0",
+        builder.accessor(std::vector<uint8_t>{0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4"));
+    const auto path = builder.writeGltf(folder.path());
+    const WorldGeometry w = flatten(GltfSource(path, {}).take());
+    EXPECT_EQ(glm::dvec3(w.lower) + w.centre, glm::dvec3(4, 0, 0));
+    EXPECT_THAT(errorOf([&] { GltfSource(path, {.strict = true}).take(); }).what(), HasSubstr("/WEIGHTS_0:"));
+}
+
 TEST_F(SkinsTest, FaultsAreNamedWithTheirPlace) {
     const std::string still = "{}", attributes = "/meshes/0/primitives/0/attributes";
     const auto expectFault = [&](auto change, const std::string& place, const std::string& words) {
