@@ -67,7 +67,7 @@ public:
                 }
             }
         }
-        return weights > 0 ? sum * (1 / weights) : joints_[0];
+        return weights > 0 ? sum * (1 / weights) : joints_[firstNamed(vertex)];
     }
 
 private:
@@ -81,6 +81,16 @@ private:
                 fmt::format("vertex {} has a weight of {}", vertex, weight), "rendered with 0");
         }
         return std::max(weight, 0.0);
+    }
+
+    /// Of a vertex without any weight, as three.js does it.
+    size_t firstNamed(size_t vertex) const {
+        const JsonNode attributes = primitive_["attributes"];
+        attributes["WEIGHTS_0"].warn("skins", fmt::format("vertex {} has no weight at all: such vertices "
+                                                          "follow the first joint that they name",
+                                                          vertex));
+        const double joint = influences_.joints[0][vertex][0];
+        return joint >= 0 && joint < static_cast<double>(joints_.size()) ? static_cast<size_t>(joint) : 0;
     }
 
     size_t jointOf(int set, size_t vertex, int i) const {

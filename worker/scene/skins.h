@@ -24,7 +24,7 @@ struct Influences {
 
 /// Moves the vertices of a mesh along with their joints, in double: positions by Σ w M, normals by its
 /// inverse transpose, tangents by itself. Weights are scaled to a sum of 1; a vertex of none follows the
-/// first joint. Triangles that the joints mirror are turned round. Faults (a
+/// first joint that it names, with a warning. Triangles that the joints mirror are turned round. Faults (a
 /// joint that is not there, a weight that is not finite or, beyond rounding, negative) are reported at
 /// `primitive`.
 void applySkin(Mesh& mesh, const Influences& influences, const std::vector<glm::dmat4>& jointMatrices,

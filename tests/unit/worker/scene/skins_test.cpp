@@ -109,6 +109,16 @@ TEST_F(SkinsTest, KeepsItsPrecisionFarFromTheOrigin) {
     EXPECT_EQ(w.upper - w.lower, glm::vec3(1, 1, 0));
 }
 
+TEST_F(SkinsTest, AVertexWithoutWeightsFollowsTheFirstJointThatItNames) {
+    skin(R"({"translation": [4, 0, 0]})", R"({"translation": [0, 8, 0]})", glm::vec4(0),
+         std::vector<uint8_t>(16, 1));
+    Scene scene = GltfSource(builder.writeGltf(folder.path()), {}).take();
+    const WorldGeometry w = flatten(scene);
+    EXPECT_EQ(glm::dvec3(w.lower) + w.centre, glm::dvec3(0, 8, 0));
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_EQ(scene.warnings[0].where, "meshes/0/primitives/0/attributes/WEIGHTS_0");
+}
+
 TEST_F(SkinsTest, AWeightThatIsNegativeByRoundingIsZero) {
     skin(R"({"translation": [4, 0, 0]})", R"({"translation": [0, 8, 0]})", {1, -1e-7f, 0, 0});
     builder.set(
@@ -118,6 +128,18 @@ TEST_F(SkinsTest, AWeightThatIsNegativeByRoundingIsZero) {
     const WorldGeometry w = flatten(GltfSource(path, {}).take());
     EXPECT_EQ(glm::dvec3(w.lower) + w.centre, glm::dvec3(4, 0, 0));
     EXPECT_THAT(errorOf([&] { GltfSource(path, {.strict = true}).take(); }).what(), HasSubstr("/WEIGHTS_0:"));
+}
+
+TEST_F(SkinsTest, TheSharedCaseWithoutWeightsFollowsJointOne) {
+    const std::filesystem::path shared =
+        std::filesystem::path(TILEFARM_SHARED_DATA) / "cases/skin-zero-weights-joint1";
+    if (!std::filesystem::exists(shared)) GTEST_SKIP() << "no shared data";
+    const WorldGeometry a = flatten(GltfSource(shared / "a.gltf", {}).take());
+    const WorldGeometry b = flatten(GltfSource(shared / "b.gltf", {}).take());
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(double{a.lower[c]} + a.centre[c], double{b.lower[c]} + b.centre[c], 1e-6);
+        EXPECT_NEAR(double{a.upper[c]} + a.centre[c], double{b.upper[c]} + b.centre[c], 1e-6);
+    }
 }
 
 TEST_F(SkinsTest, FaultsAreNamedWithTheirPlace) {
