@@ -2,8 +2,12 @@
 the place, on the farm as here; --strict refuses them. (Each fault by itself: tests/unit/worker/scene/tolerance_test.cpp.)"""
 import base64
 import json
+import sys
 
-from farm import DATA, SHARED, FarmTest
+from farm import DATA, ROOT, SHARED, FarmTest
+
+sys.path.append(str(ROOT / "tests/support"))
+from exr_image import Exr
 
 SMALL = dict(width=16, height=16, samples=1)
 CASES = SHARED / "cases"
@@ -117,3 +121,50 @@ class Faults(FarmTest):
         job = self.cli("submit", path, *options).split()[0]
         view = self.wait_for_end(job, "failed")
         self.assertIn("scene.gltf: /bufferViews/1/byteStride", view["faults"][0])
+
+
+class Light(FarmTest):
+    """What only looks bright, or is black, leaves the white light on."""
+
+    def centre(self, path):
+        exr, report = self.render_here(path, width=16, height=16, samples=64, seed=2)
+        self.assertEqual([w["feature"] for w in report["warnings"]], ["lights"])
+        picture = Exr(exr)
+        pixels = [y * 16 + x for y in range(6, 10) for x in range(6, 10)]
+        return [sum(picture.planes[c][i] for i in pixels) / len(pixels) for c in "RGB"]
+
+    def test_a_matte_floor_beside_it_is_as_bright_as_its_albedo(self):
+        others = {
+            "an unlit card": {"extensions": {"KHR_materials_unlit": {}}},
+            "a black emissive map": {"emissiveFactor": [5, 5, 5], "emissiveTexture": {"index": 1}},
+            "an emitter that is cut out": {"emissiveFactor": [5, 5, 5], "alphaMode": "MASK",
+                                           "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0]}},
+        }
+        black = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC")
+        (self.folder / "black.png").write_bytes(black)
+        for name, material in others.items():
+            with self.subTest(name):
+                gltf = tiny()
+                gltf["images"].append({"uri": "black.png"})
+                gltf["textures"].append({"source": len(gltf["images"]) - 1})
+                gltf["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1]},
+                                      "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}, material]
+                gltf["materials"][0]["pbrMetallicRoughness"].update(metallicFactor=0)
+                card = json.loads(json.dumps(gltf["meshes"][0]))
+                card["primitives"][0]["material"] = 1
+                gltf["meshes"].append(card)
+                gltf["nodes"].append({"mesh": 1, "scale": [0.05, 0.05, 0.05], "translation": [0.9, 0.9, 0.5]})
+                gltf["scenes"][0]["nodes"].append(len(gltf["nodes"]) - 1)
+                path = self.folder / "scene.gltf"
+                path.write_text(json.dumps(gltf))
+                for value in self.centre(path):
+                    # The card hides less than a hundredth of the sky; 16 pixels of 64 samples.
+                    self.assertAlmostEqual(value, 0.5, delta=0.01)
+
+    def test_the_shared_case(self):
+        path = CASES / "mat-unlit-does-not-darken-others/a.gltf"
+        if not path.exists():
+            self.skipTest("no shared data")
+        for value in self.centre(path):
+            self.assertGreater(value, 0.49, "the diffuse part of its albedo of 0.5, and some gloss")
+            self.assertLess(value, 0.6)

@@ -262,6 +262,13 @@ bool Animations::camerasOnly(const JsonNode& root) const {
     });
 }
 
+bool Animations::changeLight() const {
+    return std::any_of(tracks_.begin(), tracks_.end(), [](const Track& track) {
+        return track.pointer.starts_with("/extensions/KHR_lights_punctual/") ||
+               track.pointer.ends_with("/emissiveFactor") || track.pointer.ends_with("/emissiveStrength");
+    });
+}
+
 double Animations::seconds() const {
     double longest = 0;
     for (const Track& track : tracks_) {

@@ -22,6 +22,8 @@ public:
     bool empty() const { return tracks_.empty(); }
     /// Whether all that moves are cameras.
     bool camerasOnly(const JsonNode& root) const;
+    /// Whether what some lamp or surface emits changes.
+    bool changeLight() const;
     /// Of the longest animation played: from time 0 to its last key.
     double seconds() const;
     /// At `seconds`, or at that modulo each animation's length where it loops.

@@ -75,6 +75,8 @@ struct GltfSource::Impl {
         next.environment = std::move(scene.environment);
         next.warnings = std::move(scene.warnings);
         scene = std::move(next);
+        scene.lightChanges = animations.changeLight();
+        scene.sizesChange = !animations.empty();
         animations.apply(file.document(), seconds);
         accessors.beginPose();
         scene.materials = parseMaterials(load, textures, options);

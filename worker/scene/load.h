@@ -21,9 +21,10 @@ Scene loadGltf(const std::filesystem::path& path, const std::string& variant = {
 /// though its format does not know it.
 void loadEnvironment(Scene& scene, const std::filesystem::path& path, bool strict = false);
 
-/// Surrounds a scene that has no light at all (no environment, light or emissive surface) with white
-/// light of radiance 1 and says so in `scene.warnings`: a black image helps nobody. Call after
-/// loadEnvironment.
+/// Surrounds a scene that nothing lights with white light of radiance 1 and says so in `scene.warnings`: a
+/// black image helps nobody. An environment is light whatever it shows; a lamp of intensity 0, a surface
+/// that is unlit, emits black or has no alpha or area is none. A scene of unlit surfaces alone needs none.
+/// Call after loadEnvironment, with the textures decoded.
 void lightIfDark(Scene& scene);
 
 /// The same radiance from everywhere.

@@ -228,6 +228,10 @@ struct Scene {
 
     uint64_t sanitisedTexels = 0;      // of the environment, that were no radiance and are changed
 
+    // Of what an animation does: a moment without light is then no fault of the file.
+    bool lightChanges = false;  // to what a lamp or a surface emits
+    bool sizesChange = false;   // to nodes
+
     bool hasEnvironment() const { return environment.image.width != 0; }
 };
 
