@@ -78,6 +78,11 @@ std::span<const std::byte> BufferViews::buffer(uint32_t index) {
     return bytes.first(buffer.length);
 }
 
+/// Of its own: a buffer that compressed views alone stand in may have none.
+bool BufferViews::hasBytes(uint32_t index) const {
+    return file_.root()["buffers"][index]["uri"] || (index == 0 && file_.binaryChunk());
+}
+
 std::span<const std::byte> BufferViews::bytes(uint32_t index) {
     View& view = views_[index];
     if (!view.compressed) {
@@ -87,6 +92,13 @@ std::span<const std::byte> BufferViews::bytes(uint32_t index) {
         const MeshoptView& compressed = *view.compressed;
         const JsonNode node = file_.root()["bufferViews"][index];
         const auto data = buffer(compressed.buffer).subspan(compressed.offset, compressed.length);
+        if (const std::string lack = meshoptLack(compressed, data); !lack.empty()) {
+            if (!hasBytes(view.buffer)) {
+                node["extensions"].fail(lack);
+            }
+            node.warn("meshopt compression", lack + "; its uncompressed bytes are read instead");
+            return buffer(view.buffer).subspan(view.offset, view.length);
+        }
         view.decoded = decodeMeshopt(compressed, data, node);
     }
     return *view.decoded;

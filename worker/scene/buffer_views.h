@@ -40,6 +40,7 @@ private:
 
     View parseView(const JsonNode& node) const;
     std::span<const std::byte> buffer(uint32_t index);
+    bool hasBytes(uint32_t buffer) const;
 
     const GltfFile& file_;
     PartList<Buffer> buffers_;

@@ -25,6 +25,13 @@ constexpr KnownExtension kKnown[] = {
     {"KHR_draco_mesh_compression", ""},
     {"KHR_implicit_shapes", ""},
     {"TILEFARM_shapes", ""},
+    // These change no picture: what a scene does when somebody acts on it, or says about itself.
+    {"EXT_instance_features", ""},
+    {"EXT_mesh_features", ""},
+    {"EXT_structural_metadata", ""},
+    {"KHR_interactivity", ""},
+    {"KHR_node_hoverability", ""},
+    {"KHR_node_selectability", ""},
     {"KHR_lights_punctual", ""},
     {"KHR_materials_anisotropy", ""},
     {"KHR_materials_clearcoat", ""},

@@ -34,7 +34,8 @@ MeshoptFilter parseFilter(const JsonNode& node) {
     if (name == "OCTAHEDRAL") return MeshoptFilter::octahedral;
     if (name == "QUATERNION") return MeshoptFilter::quaternion;
     if (name == "EXPONENTIAL") return MeshoptFilter::exponential;
-    node.fail(fmt::format("is \"{}\", must be NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL", name));
+    if (name == "COLOR") return MeshoptFilter::colour;
+    node.fail(fmt::format("is \"{}\", must be NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL or COLOR", name));
 }
 
 /// The decoders assert these rather than report them.
@@ -58,6 +59,9 @@ void checkLayout(const MeshoptView& view, const JsonNode& extension) {
     if (view.filter == MeshoptFilter::octahedral && view.stride != 4 && view.stride != 8) {
         stride.fail(fmt::format("must be 4 or 8 for the octahedral filter, is {}", view.stride));
     }
+    if (view.filter == MeshoptFilter::colour && view.stride != 4 && view.stride != 8) {
+        stride.fail(fmt::format("must be 4 or 8 for the filter of colours, is {}", view.stride));
+    }
     if (view.filter == MeshoptFilter::quaternion && view.stride != 8) {
         stride.fail(fmt::format("must be 8 for the quaternion filter, is {}", view.stride));
     }
@@ -78,7 +82,8 @@ int decode(const MeshoptView& view, std::span<const std::byte> compressed, std::
 
 void applyFilter(const MeshoptView& view, std::byte* data) {
     switch (view.filter) {
-        case MeshoptFilter::none: break;
+        case MeshoptFilter::none:
+        case MeshoptFilter::colour: break;  // never gets here, see meshoptLack
         case MeshoptFilter::octahedral: meshopt_decodeFilterOct(data, view.count, view.stride); break;
         case MeshoptFilter::quaternion: meshopt_decodeFilterQuat(data, view.count, view.stride); break;
         case MeshoptFilter::exponential: meshopt_decodeFilterExp(data, view.count, view.stride); break;
@@ -110,6 +115,23 @@ std::optional<MeshoptView> parseMeshopt(const JsonNode& view, size_t bufferCount
         extension["count"].fail(fmt::format("{} bytes cannot hold {} elements", result.length, result.count));
     }
     return result;
+}
+
+std::string meshoptLack(const MeshoptView& view, std::span<const std::byte> compressed) {
+    // The first byte holds the codec in its upper half and the bitstream's version in the lower one.
+    constexpr std::byte kAttributesOfVersion1{0xa1};
+    std::string lack;
+    if (view.filter == MeshoptFilter::colour) {
+        lack = "the filter COLOR";
+    } else if (view.mode == MeshoptMode::attributes && !compressed.empty() &&
+               compressed[0] == kAttributesOfVersion1) {
+        lack = "version 1 of the bitstream of attributes";
+    }
+    return lack.empty()
+               ? lack
+               : fmt::format(
+                     "uses {} of KHR_meshopt_compression, which libmeshoptimizer {}.{} does not decode", lack,
+                     MESHOPTIMIZER_VERSION / 1000, MESHOPTIMIZER_VERSION % 1000 / 10);
 }
 
 std::vector<std::byte> decodeMeshopt(const MeshoptView& view, std::span<const std::byte> compressed,

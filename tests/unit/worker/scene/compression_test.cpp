@@ -159,6 +159,32 @@ TEST_F(MeshoptTest, RefusesCountsThatItsBytesCannotHold) {
                 HasSubstr("cannot hold 1000000000 elements"));
 }
 
+TEST_F(MeshoptTest, SaysWhatItsDecoderLacks) {
+    const std::vector<uint8_t> colours(40, 7);
+    const auto faultOf = [&](uint32_t view) {
+        builder.accessorOf(view, "VEC4", 5121, 10);
+        return errorOf([&] { with([&](Accessors& a) { return a.vec4s(uint32_t(a.count() - 1)); }); });
+    };
+    const uint32_t filtered = attributes(colours, 4, "COLOR");
+    EXPECT_THAT(faultOf(filtered).what(), HasSubstr("the filter COLOR of KHR_meshopt_compression"));
+
+    std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(10, 4));
+    bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), colours.data(), 10, 4));
+    bytes[0] = 0xa1;
+    const uint32_t younger = compressedView(bytes, 10, 4, "ATTRIBUTES", "NONE");
+    EXPECT_THAT(faultOf(younger).what(), HasSubstr("version 1 of the bitstream"));
+}
+
+TEST_F(MeshoptTest, ReadsUncompressedBytesWhereItCannotDecode) {
+    const std::vector<uint8_t> colours(40, 7);
+    const uint32_t plain = builder.view(std::as_bytes(std::span(colours)));
+    const uint32_t view = attributes(colours, 4, "COLOR");
+    builder.set(fmt::format("/bufferViews/{}/buffer", view), 0u);
+    builder.set(fmt::format("/bufferViews/{}/byteOffset", view), builder.offsetOf(plain));
+    builder.accessorOf(view, "VEC4", 5121, 10);
+    EXPECT_EQ(with([](Accessors& a) { return a.vec4s(0); }).back(), glm::vec4(7));
+}
+
 TEST_F(MeshoptTest, BytesOfAFallbackBufferThatIsNotThereAreAnError) {
     builder.accessorOf(0, "SCALAR", 5126, 3);
     builder.set("/bufferViews/0", R"({"buffer": 1, "byteLength": 12})");

@@ -1,4 +1,5 @@
 // What a scene holds and is not rendered gives exactly one warning each.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/support/expect_error.h"
@@ -117,6 +118,18 @@ TEST(Warnings, WhatIsRenderedGivesNone) {
     builder.set("/extensionsUsed", R"(["KHR_materials_sheen", "KHR_materials_pbrSpecularGlossiness",
         "KHR_materials_variants", "KHR_materials_anisotropy", "KHR_texture_transform", "TILEFARM_lights"])");
     EXPECT_TRUE(loadGltf(builder.writeGltf(folder.path())).warnings.empty());
+}
+
+TEST(Warnings, WhatChangesNoPictureMayBeRequired) {
+    const TemporaryFolder folder;
+    for (const char* name : {"KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability",
+                             "EXT_mesh_features", "EXT_structural_metadata"}) {
+        GltfBuilder builder = GltfBuilder::square();
+        builder.set("/extensionsUsed/0", fmt::format("\"{}\"", name));
+        builder.set("/extensionsRequired/0", fmt::format("\"{}\"", name));
+        builder.set(fmt::format("/nodes/0/extensions/{}", name), R"({"selectable": false})");
+        EXPECT_TRUE(loadGltf(builder.writeGltf(folder.path())).warnings.empty()) << name;
+    }
 }
 
 }  // namespace
