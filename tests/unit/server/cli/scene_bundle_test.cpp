@@ -169,7 +169,7 @@ TEST_F(SceneBundleTest, NeedsTheImagesOfWhatIsShownAlone) {
     const auto faultOfScene = [&](const std::string& material, const std::string& more, JobSpec job = {}) {
         const fs::path gltf =
             put("s.gltf",
-                R"({"nodes": [{"mesh": 0}, {"children": [0]}], "meshes": [{"primitives": [{"material": 0,
+                R"({"nodes": [{"mesh": 0}, {"children": [0]}, {}], "meshes": [{"primitives": [{"material": 0,
                 "extensions": {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [1]}]}}}]}],
                 "extensions": {"KHR_materials_variants": {"variants": [{"name": "Dry"}, {"name": "Wet"}]}},
                 "textures": [{"source": 0}], "images": [{"uri": "gone.png"}], "materials": [)" +
@@ -190,9 +190,9 @@ TEST_F(SceneBundleTest, NeedsTheImagesOfWhatIsShownAlone) {
     wet.variant = "Wet", dry.variant = "Dry";
     EXPECT_THAT(faultOfScene(plain, "", wet), HasSubstr("/images/0/uri"));
     EXPECT_EQ(faultOfScene(plain, "", dry), "");
-    EXPECT_EQ(faultOfScene(plain, R"(, "scenes": [{"nodes": []}, {"nodes": [1]}])", wet), "")
+    EXPECT_EQ(faultOfScene(plain, R"(, "scenes": [{"nodes": [2]}, {"nodes": [1]}])", wet), "")
         << "another scene's";
-    EXPECT_THAT(faultOfScene(plain, R"(, "scenes": [{"nodes": []}, {"nodes": [1]}], "scene": 1)", wet),
+    EXPECT_THAT(faultOfScene(plain, R"(, "scenes": [{"nodes": [2]}, {"nodes": [1]}], "scene": 1)", wet),
                 HasSubstr("/images/0/uri"));
     EXPECT_EQ(faultOfScene(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
         "extensions": {"KHR_materials_pbrSpecularGlossiness": {}}})",
