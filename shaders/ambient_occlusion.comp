@@ -13,7 +13,7 @@ bool open(SampleKey key, Surface s) {
     vec3 origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, wi);
     rayCount++;
     Ray ray = freeRay(origin, wi, parameters.integrator.x, cutoutKey(key, 1u));
-    ray.skipPrimitive = s.primitive;
+    startOn(s, ray);
     ray.culls = cullsAll();
     return !anyHit(ray);
 }

@@ -109,7 +109,8 @@ GPU_CONSTANT FEATURE_DIRECTION_SAMPLING = 57;   // other than by the BSDF
 GPU_CONSTANT FEATURE_SHADOW_DEPTH = 58;
 GPU_CONSTANT FEATURE_ROULETTE_RULE = 59;        // other than by throughput
 GPU_CONSTANT FEATURE_CULLING = 60;              // back faces or parts beyond clipping planes that rays pass
-GPU_CONSTANT FEATURE_COUNT = 61;
+GPU_CONSTANT FEATURE_COINCIDENT_FACES = 61;     // faces that share a part of their plane
+GPU_CONSTANT FEATURE_COUNT = 62;
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -148,6 +149,7 @@ GPU_CONSTANT MATERIAL_DISNEY_DIFFUSE = 1u << 11;
 GPU_CONSTANT MATERIAL_INTERFACE = 1u << 12;  // reflects or transmits by microfacets: calls for FEATURE_SPECULAR
 GPU_CONSTANT MATERIAL_PANE = 1u << 13;       // thin-walled glass that may be smooth: light goes straight through
 GPU_CONSTANT MATERIAL_SOLID_GLASS = 1u << 14;  // that may be smooth: behind it no path finds a light without extent
+GPU_CONSTANT MATERIAL_COINCIDENT = 1u << 15;   // faces of it coincide with others, and light goes through one of them
 
 GPU_CONSTANT TEXTURE_WRAP_S_SHIFT = 0;     // two bits: 0 repeat, 1 mirror, 2 clamp
 GPU_CONSTANT TEXTURE_WRAP_T_SHIFT = 2;
@@ -317,6 +319,7 @@ struct FrameParameters {
     vec4 clipping;        // where it does: x: from, y: to, m along the view direction
     uvec4 nesting;        // x: 1 if a ray may be in several solids, or starts in one
     uvec4 lights;         // x: LIGHTS_*; y: groups that LIGHTS_ALL asks
+    vec4 extent;          // x: m that holds every coordinate and distance of the scene
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -331,7 +334,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 528 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 544 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 28);
 
 // One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material

@@ -9,6 +9,7 @@
 //     uniform usamplerBuffer shapeTexels;  RGBA32UI, ShapeRecords of gpu_types.h
 //     const bool kBvhShapes = …;           specialization constant: whether there are surfaces other than triangles
 //     const bool kBvhFields = …;           specialization constant: whether any of them is a field
+//     const bool kBvhCoincident = …;       specialization constant: whether faces coincide (coplanar.glsl)
 //     const bool kBvhNonOpaque = …;        specialization constant: whether any triangle asks acceptHit
 //     const bool kBvhCulls = …;            specialization constant: whether any ray passes back faces
 //     bool acceptHit(uint primitive, vec2 barycentrics, uint key);
@@ -24,6 +25,7 @@
 // - Faces count from both sides, but for rays with `culls` those that buildBvh was told are single-sided: their backs
 //   are not there. Nothing is hit on `skipPrimitive` if that is flat: other shapes may be met again
 //   by a ray that starts on them, and origins stand off their surface by its error bound (shapes/shape.glsl).
+// - Faces in the plane of the one that a ray starts on are not hit where it starts (coplanar.glsl).
 // - A ray with NaN or infinite origin or direction, a direction shorter than 1e-18 or longer than 1e18, tMin > tMax or
 //   a NaN limit misses at once. tMin below 0 counts as 0; tMax may be infinite.
 #ifndef TILEFARM_INTERSECT_GLSL
@@ -43,11 +45,13 @@ struct Ray {
     uint skipPrimitive;  // kNoPrimitive: none
     uint key;            // for acceptHit
     bool culls;          // passes the back faces of what is single-sided
+    uint startNormal;    // of the face that it starts on, packStartNormal
+    float startReach;    // hits at smaller t are asked whether they lie in the plane of that face; 0: none is
 };
 
 // A ray that starts in the open.
 Ray freeRay(vec3 origin, vec3 direction, float tMax, uint key) {
-    return Ray(origin, 0.0, direction, tMax, kNoPrimitive, key, false);
+    return Ray(origin, 0.0, direction, tMax, kNoPrimitive, key, false, 0u, 0.0);
 }
 
 struct Hit {
@@ -156,6 +160,7 @@ struct Candidate {
 };
 
 #include "shapes/shape.glsl"
+#include "coplanar.glsl"
 
 bool mayCull(Ray ray, uint tag) { return kBvhCulls && ray.culls && (tag & kBvhSingleSided) != 0u; }
 
@@ -178,6 +183,7 @@ void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candid
         float t = s * own.scale;
         if (!(t < best.t || (t == best.t && primitive < best.primitive))) return;
         bool counts = !(mayCull(ray, tag) && leavesShape(shape, head, own, s));
+        if (kBvhCoincident && counts && t < ray.startReach) counts = !isCoplanarShape(shape, ray, t);
         if (kBvhNonOpaque && counts && (tag & kBvhAskAccept) != 0u)
             counts = acceptHit(primitive, shapeUv(shape, head, own, s), ray.key + crossing * 0x9e3779b9u);
         if (counts) {
@@ -213,6 +219,7 @@ void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
     bool nearer = t < best.t || (t == best.t && primitive < best.primitive);
     if (inside && determinant != 0.0 && t > shear.tMin && nearer && primitive != ray.skipPrimitive) {
         bool counts = !(mayCull(ray, texelX.w) && isBack(determinant, shear));
+        if (kBvhCoincident && counts && t < ray.startReach) counts = !isCoplanarTriangle(triangle, ray);
         if (kBvhNonOpaque && counts && (texelX.w & kBvhAskAccept) != 0u)
             counts = acceptHit(primitive, edge.yz / determinant, ray.key);
         if (counts) best = Candidate(t, primitive, triangle);

@@ -27,6 +27,7 @@ bool acceptHit(uint primitive, vec2 barycentrics, uint key);
 #include "bsdf/bsdf.glsl"
 #include "lights/light.glsl"
 #include "camera.glsl"
+#include "coincident.glsl"
 #include "pixel_filter.glsl"
 #include "film.glsl"
 #include "extra_channels.glsl"
@@ -40,32 +41,31 @@ uint cutoutKey(SampleKey key, uint bounce) {
 uint shadowKey(SampleKey key, uint bounce) { return ~cutoutKey(key, bounce); }
 
 // From a surface to the sample of a light; its t counts in the length of that way.
-Ray shadowRay(LightSample l, uint primitive, uint key) {
-    Ray ray;
-    ray.origin = l.origin;
-    ray.tMin = 0.0;
-    ray.direction = l.infinite ? l.wi : l.target - l.origin;
+Ray shadowRay(LightSample l, Surface s, uint key) {
     // Not the light itself: traversal has its t to within γ(10), and a light in a plane through the origin has no error
     // of its own that would move the target off it.
-    ray.tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
-    ray.skipPrimitive = primitive;
-    ray.key = key;
+    float tMax = l.infinite ? INFINITY : 1.0 - gammaBound(10.0);
+    Ray ray = freeRay(l.origin, l.infinite ? l.wi : l.target - l.origin, tMax, key);
+    startOn(s, ray);
     ray.culls = cullsAll();
     return ray;
 }
 
-uint materialFlagsOf(uint primitive) { return LOAD(materialTexels, loadPrimitive(primitive).material * MATERIAL_TEXELS + 3u).y; }
-
 // Something stands in a light's way. Through smooth solid glass no path finds a light without extent.
 void noteShadow(LightSample l, uint primitive) {
     if (!has(FEATURE_TRANSMISSION) || !has(FEATURE_PUNCTUAL_LIGHTS) || l.pdf > 0.0) return;
-    if ((materialFlagsOf(primitive) & MATERIAL_SOLID_GLASS) != 0u) behindGlassCount++;
+    if ((materialFlags(loadPrimitive(primitive).material) & MATERIAL_SOLID_GLASS) != 0u) behindGlassCount++;
 }
 
-bool occluded(LightSample l, uint primitive, uint key) {
+bool occluded(LightSample l, Surface s, uint key) {
     rayCount++;
+    Ray ray = shadowRay(l, s, key);
+    Hit next;
     uint other;
-    if (!anyHit(shadowRay(l, primitive, key), other)) return false;
+    if (nextAmongFaces(s, ray.direction, key, next))
+        other = next.primitive;
+    else if (!anyHit(ray, other))
+        return false;
     noteShadow(l, other);
     return true;
 }

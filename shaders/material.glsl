@@ -59,6 +59,8 @@ MaterialPoint materialAt(Surface s) {
     return m;
 }
 
+uint materialFlags(uint material) { return LOAD(materialTexels, material * MATERIAL_TEXELS + 3u).y; }
+
 bool isCutOut(uint flags) { return (flags & (MATERIAL_MASK | MATERIAL_BLEND)) != 0u; }
 
 // Share of a cut-out surface that is there, at a point of it: what it emits and stops.

@@ -9,6 +9,7 @@
 #include "kernel.glsl"
 #include "path/direct_light.glsl"
 #include "path/found_light.glsl"
+#include "path/meet.glsl"
 #include "path/path_state.glsl"
 #include "path/scatter.glsl"
 
@@ -30,6 +31,7 @@ PathState startPath(SampleKey key, vec3 origin, vec3 direction) {
     path.first = noScattering();
     path.rough = false;
     path.clamped = 0.0;
+    path.amongFaces = false;
     return path;
 }
 
@@ -65,7 +67,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
             // The camera's ray goes on to the first surface, for the channels that show that.
             if (path.bounce > 0u) path.ray.tMax = flight.reach;
         }
-        bool found = closestHit(path.ray, hit);
+        bool found = meet(path, hit);
         bool inFog = has(FEATURE_FOG) && passFog(path.throughput, flight, found ? hit.t : INFINITY);
         if (!found && !inFog) {
             addEnvironment(path);
@@ -76,7 +78,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         Surface s;
         MaterialPoint m;
         if (found) {
-            s = surfaceAt(hit, path.ray);
+            s = arrive(path, hit);
             m = materialAt(s);
             if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.bounds.z);
             if (path.bounce == 0u) {
@@ -123,6 +125,8 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
         float carried = maxComponent(path.throughput);
         if (!(inFog ? scatterInFog(path, s.position, u) : scatter(path, s, bsdf, m, wo, u))) break;
+        if (has(FEATURE_COINCIDENT_FACES))
+            path.amongFaces = !inFog && nextAmongFaces(s, path.ray.direction, cutoutKey(key, path.bounce + 1u), path.next);
         if (has(FEATURE_GLASS_SHADOWS) && path.crossed) continue;
         if (has(FEATURE_GLASS_SHADOWS) && last) {
             truncate(carried);

@@ -14,6 +14,7 @@ const bool kBvhNonOpaque = (FEATURES >> FEATURE_CUTOUT & 1u) != 0u;
 const bool kBvhCulls = (FEATURES_HIGH >> (FEATURE_CULLING - 32u) & 1u) != 0u;
 const bool kBvhShapes = (FEATURES_HIGH >> (FEATURE_SHAPES - 32u) & 1u) != 0u;
 const bool kBvhFields = (FEATURES_HIGH >> (FEATURE_FIELDS - 32u) & 1u) != 0u;
+const bool kBvhCoincident = (FEATURES_HIGH >> (FEATURE_COINCIDENT_FACES - 32u) & 1u) != 0u;
 
 // Macros, so that their values are specialization constants and a compiler drops what hangs on them before it looks
 // inside. (Chains of three has() with || are beyond glslang 12: it takes the outer one for a constant. Use featureBit.)

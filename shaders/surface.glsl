@@ -13,6 +13,7 @@ struct Surface {
     uint material;
     vec3 coatNormal;  // of the clearcoat, on the side of wo; only with FEATURE_CLEARCOAT
     bool frontFace;  // wo sees the side that the winding faces
+    bool coincides;  // other faces are where it is (coincident.glsl)
 };
 
 const float MACHINE_EPSILON = 5.9604645e-8;  // 2^-24
@@ -34,6 +35,19 @@ vec3 offsetOrigin(vec3 position, vec3 error, vec3 normal, vec3 direction) {
     vec3 offset = dot(direction, normal) < 0.0 ? -distance * normal : distance * normal;
     vec3 origin = position + offset;
     return vec3(nextAwayFrom(origin.x, offset.x), nextAwayFrom(origin.y, offset.y), nextAwayFrom(origin.z, offset.z));
+}
+
+// Parts of the scene's extent within which a ray asks what it meets whether that coincides with where it starts. Far more
+// than rounding moves the t of any face of the scene.
+const float kStartReach = 1e-5;
+
+// Has a ray start on a surface: it meets neither that nor what coincides with it. Points in fog have no normal.
+void startOn(Surface s, inout Ray ray) {
+    ray.skipPrimitive = s.primitive;
+    if (!has(FEATURE_COINCIDENT_FACES)) return;
+    float sine = abs(dot(s.geometricNormal, ray.direction));
+    ray.startNormal = packStartNormal(s.geometricNormal);
+    ray.startReach = sine > 0.0 ? kStartReach * parameters.extent.x / sine : 0.0;
 }
 
 // Corners of the triangle that was hit: a texel holds one coordinate of all three.
@@ -145,6 +159,7 @@ Surface shapeSurface(Hit hit, Ray ray) {
     s.position = p.position;
     s.positionError = p.error;
     s.frontFace = dot(p.normal, ray.direction) <= 0.0;
+    s.coincides = false;
     s.geometricNormal = s.frontFace ? p.normal : -p.normal;
     s.primitive = hit.primitive;
     s.material = p.material;
@@ -193,6 +208,7 @@ Surface surfaceAt(Hit hit, Ray ray) {
     e2 /= max(maxComponent(abs(e2)), 1e-37);
     vec3 ng = normalize(cross(e1, e2));
     s.frontFace = dot(ng, wo) >= 0.0;
+    s.coincides = false;
     s.geometricNormal = s.frontFace ? ng : -ng;
 
     s.primitive = hit.primitive;

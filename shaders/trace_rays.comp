@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Traces a buffer of rays, for tests and benchmarks of the intersection code alone.
-//     ray: 3 texels (origin, tMin | direction, tMax | skipPrimitive, key, -, -)
+//     ray: 3 texels (origin, tMin | direction, tMax | skipPrimitive, key, startNormal, startReach)
 //     hit: (bits of t, primitive, bits of the barycentrics); the primitive is kNoPrimitive for a miss. For anyHit
 //          only the primitive is meant: 0 for a hit.
 
@@ -11,6 +11,7 @@ layout(constant_id = 1) const bool kBvhNonOpaque = false;
 const bool kBvhCulls = false;
 layout(constant_id = 2) const bool kAnyHit = false;
 layout(constant_id = 3) const bool kBvhShapes = false;
+layout(constant_id = 4) const bool kBvhCoincident = false;
 const bool kBvhFields = false;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;
@@ -33,7 +34,7 @@ void main() {
     if (i >= count) return;
     vec4 origin = LOAD_FLOATS(rays, 3u * i), direction = LOAD_FLOATS(rays, 3u * i + 1u);
     uvec4 more = LOAD(rays, 3u * i + 2u);
-    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false);
+    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false, more.z, uintBitsToFloat(more.w));
     if (kAnyHit) {
         hits[i] = uvec4(0u, anyHit(ray) ? 0u : kNoPrimitive, 0u, 0u);
         return;

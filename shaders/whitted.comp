@@ -37,19 +37,17 @@ void follow(Branch branch) {
 }
 
 // What of a light comes to a surface: all, nothing, or what the panes between them let through.
-vec3 inSight(LightSample l, uint primitive, uint key) {
-    if (!has(FEATURE_GLASS_SHADOWS)) return vec3(occluded(l, primitive, key) ? 0.0 : 1.0);
-    Ray ray = shadowRay(l, primitive, key);
+vec3 inSight(LightSample l, Surface from, uint key) {
+    if (!has(FEATURE_GLASS_SHADOWS)) return vec3(occluded(l, from, key) ? 0.0 : 1.0);
+    Ray ray = shadowRay(l, from, key);
     vec3 left = vec3(1);
-    Hit hit;
-    for (uint panes = 0u; shadowMeets(ray, hit); panes++) {
-        if (panes == MOST_PANES || (materialFlagsOf(hit.primitive) & MATERIAL_PANE) == 0u) {
-            noteShadow(l, hit.primitive);
-            return vec3(0);
-        }
-        Surface s = surfaceInShadow(hit, ray);
+    Surface s;
+    bool pane;
+    for (uint panes = 0u; shadowMeets(l, ray, from, s, pane); panes++) {
+        if (panes == MOST_PANES || !pane) return vec3(0);
         left *= phongAt(materialAt(s), s.frontFace, max(-dot(normalize(ray.direction), s.frame[2]), 0.0)).through;
         goBehind(s, l, ray);
+        from = s;
     }
     return left;
 }
@@ -63,16 +61,19 @@ vec3 shaded(SampleKey key, uint depth, Surface s, PhongPoint p, vec3 wo) {
         if (!centreLight(i, key, s, l, extended) || dot(l.wi, s.geometricNormal) <= 0.0) continue;
         // What a mirror ray can meet has no need of a highlight.
         vec3 light = phongEval(p, wo, l.wi * s.frame, extended ? 1.0 - p.gloss : 1.0) * l.radiance;
-        if (maxComponent(light) > 0.0) sum += light * inSight(l, s.primitive, shadowKey(key, depth));
+        if (maxComponent(light) > 0.0) sum += light * inSight(l, s, shadowKey(key, depth));
     }
     return sum;
 }
 
 Branch startingAt(Surface s, vec3 direction, Branch from, vec3 weight) {
     Branch next = from;
-    next.ray = freeRay(offsetOrigin(s.position, s.positionError, s.geometricNormal, direction), direction, INFINITY, 0u);
-    next.ray.skipPrimitive = s.primitive;
+    vec3 origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
+    next.ray = freeRay(origin, direction, INFINITY, 0u);
+    startOn(s, next.ray);
     next.ray.culls = cullsAll();
+    // What coincides with a surface that a ray goes through is still before it.
+    if (dot(direction, s.geometricNormal) < 0.0) next.ray.startReach = 0.0;
     next.weight = from.weight * weight;
     next.depth++;
     return next;

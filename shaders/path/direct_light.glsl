@@ -71,7 +71,7 @@ vec3 lightThrough(LightSample l, SampleKey key, uint bounce, Surface s, Bsdf bsd
     if (has(FEATURE_GLASS_SHADOWS)) {
         if (way.shadows) contribution *= throughPanes(l, s, shadowKey(key, bounce), medium, way.channel);
         if (!(maxComponent(contribution) > 0.0)) return vec3(0);
-    } else if (way.shadows && occluded(l, s.primitive, shadowKey(key, bounce))) {
+    } else if (way.shadows && occluded(l, s, shadowKey(key, bounce))) {
         return vec3(0);
     }
     if (has(FEATURE_LIGHT_PATHS)) {

@@ -18,18 +18,16 @@ vec3 throughPane(Surface s, vec3 direction, Medium medium, uint channel) {
 
 // `medium` and colour `channel`: of the path at the surface `from`.
 vec3 throughPanes(LightSample l, Surface from, uint key, Medium medium, uint channel) {
-    Ray ray = shadowRay(l, from.primitive, key);
+    Ray ray = shadowRay(l, from, key);
     vec3 left = vec3(1);
-    Hit hit;
-    for (uint panes = 0u; shadowMeets(ray, hit); panes++) {
-        if (panes == MOST_PANES || (materialFlagsOf(hit.primitive) & MATERIAL_PANE) == 0u) {
-            noteShadow(l, hit.primitive);
-            return vec3(0);
-        }
-        Surface s = surfaceInShadow(hit, ray);
+    Surface s;
+    bool pane;
+    for (uint panes = 0u; shadowMeets(l, ray, from, s, pane); panes++) {
+        if (panes == MOST_PANES || !pane) return vec3(0);
         left *= throughPane(s, ray.direction, medium, channel);
         if (!(maxComponent(left) > 0.0)) return vec3(0);
         goBehind(s, l, ray);
+        from = s;
     }
     return left;
 }

@@ -38,6 +38,7 @@ Surface fogPoint(vec3 position) {
     s.frame = mat3(1);
     s.primitive = kNoPrimitive;
     s.frontFace = true;
+    s.coincides = false;
     return s;
 }
 bool isFogPoint(Surface s) { return has(FEATURE_FOG) && s.primitive == kNoPrimitive; }

@@ -25,6 +25,8 @@ struct PathState {
     FirstScattering first;  // with FEATURE_LIGHT_PATHS
     bool rough;         // FEATURE_REGULARISATION: at a surface that was no mirror
     float clamped;      // FEATURE_CLAMP: luminance taken away
+    bool amongFaces;    // FEATURE_COINCIDENT_FACES: what the ray meets is known and is where it starts:
+    Hit next;
 };
 
 // How many times it has scattered.

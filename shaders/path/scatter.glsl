@@ -32,7 +32,7 @@ void crossPane(inout PathState path, Surface s, vec3 weight) {
     path.straight++;
     path.panes++;
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, path.ray.direction);
-    path.ray.skipPrimitive = s.primitive;
+    startOn(s, path.ray);
 }
 
 // Scatters the path at a surface, or has it cross a pane. False: the path ends.
@@ -71,7 +71,7 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
     }
     path.ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
     path.ray.direction = direction;
-    path.ray.skipPrimitive = s.primitive;
+    startOn(s, path.ray);
     return maxComponent(path.throughput) > 0.0;
 }
 
@@ -79,8 +79,8 @@ bool scatter(inout PathState path, Surface s, Bsdf bsdf, MaterialPoint m, vec3 w
 bool scatterInFog(inout PathState path, vec3 position, vec4 u) {
     if (has(FEATURE_LIGHT_PATHS) && path.bounce == 0u) path.first = scatteredInFog();
     path.ray.direction = phaseSample(fogAnisotropy(), path.ray.direction, u.xy, path.pdf);
+    startOn(fogPoint(position), path.ray);
     path.ray.origin = position;
-    path.ray.skipPrimitive = kNoPrimitive;
     path.crossed = false;
     path.panes = 0u;
     path.passed = 0.0;

@@ -41,7 +41,7 @@ void spawnedRays(uint i) {
     vec4 at = queries[2u * i];
     vec3 direction = queries[2u * i + 1u].xyz;
     Hit from = Hit(0.0, floatBitsToUint(at.y), at.zw, floatBitsToUint(at.x));
-    Ray ray = Ray(vec3(0), 0.0, -direction, INFINITY, kNoPrimitive, 0u, false);
+    Ray ray = freeRay(vec3(0), -direction, INFINITY, 0u);
     Surface s = surfaceAt(from, ray);
     ray.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, direction);
     ray.direction = direction;

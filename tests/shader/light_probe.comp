@@ -53,7 +53,7 @@ LightAnswer pdfAlong(LightQuery q) {
         if (sunCovers(-lightTexel(q.ask.y, 2u).xyz, h, d)) a.wi.w = sunPdf(h);
     } else {
         Hit hit;
-        Ray ray = Ray(q.position.xyz, 0.0, d, INFINITY, kNoPrimitive, 0u, false);
+        Ray ray = freeRay(q.position.xyz, d, INFINITY, 0u);
         if (!closestHit(ray, hit)) return a;
         a.chosen.x = hit.t;
         Surface s = surfaceAt(hit, ray);

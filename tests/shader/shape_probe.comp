@@ -10,6 +10,7 @@ layout(constant_id = 1) const bool kBvhNonOpaque = false;
 const bool kBvhCulls = false;
 layout(constant_id = 2) const bool kBvhFields = false;
 const bool kBvhShapes = true;
+const bool kBvhCoincident = false;
 layout(set = 0, binding = 0) uniform usamplerBuffer bvhNodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;
 layout(set = 0, binding = 2) uniform usamplerBuffer rays;
@@ -33,7 +34,8 @@ vec3 offset(vec3 position, vec3 error, vec3 normal, vec3 direction) {
 
 float goesOn(ShapePoint p, vec3 direction, uint primitive) {
     Hit next;
-    Ray ray = Ray(offset(p.position, p.error, p.normal, direction), 0.0, direction, uintBitsToFloat(0x7f800000u), primitive, 0u, false);
+    Ray ray = freeRay(offset(p.position, p.error, p.normal, direction), direction, uintBitsToFloat(0x7f800000u), 0u);
+    ray.skipPrimitive = primitive;
     return closestHit(ray, next) ? next.t : -1.0;
 }
 
@@ -43,7 +45,7 @@ void main() {
     if (i >= count) return;
     vec4 origin = LOAD_FLOATS(rays, 3u * i), direction = LOAD_FLOATS(rays, 3u * i + 1u);
     uvec4 more = LOAD(rays, 3u * i + 2u);
-    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false);
+    Ray ray = Ray(origin.xyz, origin.w, direction.xyz, direction.w, more.x, more.y, false, 0u, 0.0);
     Hit hit;
     if (!closestHit(ray, hit)) {
         for (uint k = 0u; k < 6u; ++k) results[6u * i + k] = vec4(-1);

@@ -48,7 +48,8 @@ struct TestRay {
     float tMax = std::numeric_limits<float>::infinity();
     uint32_t skipPrimitive = 0xffffffffu;
     uint32_t key = 0;
-    uint32_t unused[2] = {0, 0};
+    uint32_t startNormal = 0;
+    float startReach = 0;
 };
 static_assert(sizeof(TestRay) == 48, "three texels of trace_rays.comp");
 

@@ -20,7 +20,6 @@ namespace {
 
 constexpr uint32_t kWidth = 4;
 constexpr uint64_t kMaxTexels = 1ull << kBvhCountShift;
-constexpr uint32_t kMaxBuildDepth = 96;
 
 // What Embree's builder makes, in memory of its own.
 struct BuildNode {
@@ -102,7 +101,7 @@ BuildNode* build(RTCDevice device, RTCBVH bvh, std::vector<RTCBuildPrimitive> bo
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
     arguments.maxBranchingFactor = kWidth;
-    arguments.maxDepth = kMaxBuildDepth;
+    arguments.maxDepth = kBvhMostDepth;
     arguments.minLeafSize = 1;
     arguments.maxLeafSize = kBvhLeafTriangles;
     arguments.bvh = bvh;

@@ -26,6 +26,7 @@ namespace tilefarm {
 inline constexpr uint32_t kBvhNodeTexels = 7;
 inline constexpr uint32_t kBvhTriangleTexels = 3;
 inline constexpr uint32_t kBvhLeafTriangles = 4;  // at most
+inline constexpr uint32_t kBvhMostDepth = 96;
 inline constexpr uint32_t kBvhLeaf = 0x80000000u;
 inline constexpr uint32_t kBvhCountShift = 29;
 inline constexpr uint32_t kBvhNonOpaque = 0x80000000u;

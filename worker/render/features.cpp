@@ -70,6 +70,7 @@ constexpr std::array<std::string_view, gpu::FEATURE_COUNT> kNames{
     "shadow depth",
     "roulette rule",
     "culling",
+    "coincident faces",
 };
 static_assert(!kNames.back().empty());
 

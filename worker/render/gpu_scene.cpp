@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/render/coincidence.h"
 #include "worker/render/environment_packer.h"
 #include "worker/render/light_packer.h"
 #include "worker/render/material_packer.h"
@@ -134,12 +135,15 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
     const auto start = std::chrono::steady_clock::now();
     const Bvh bvh =
         buildBvh(world.corners(), primitiveFlags(scene, world, settings.culling), shapeBoxes(world.shapes));
+    const Coincidence coincidence = findCoincidence(bvh, scene, world);
     times.bvhSeconds += secondsSince(start);
 
     TexturePacker textures(scene);
     MaterialPacker materials(textures, settings);
     const std::vector<bool> used = usedMaterials(scene, world);
     for (uint32_t i = 0; i < used.size(); ++i) materials.add(world.materialOf(scene, i), used[i]);
+    for (size_t i = 0; i < used.size(); ++i)
+        if (coincidence.interfaces[i]) materials.records[i].flags |= gpu::MATERIAL_COINCIDENT;
     GpuScene result;
     const PackedEnvironment environment = like ? PackedEnvironment{} : packEnvironment(scene.environment);
     takeEnvironment(result, environment, like);
@@ -150,6 +154,7 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
 
     result.features = materials.features | textures.features | lights.features | geometryFeatures(world) |
                       lightingFeatures(settings, scene.environment) |
+                      (coincidence.any ? gpu::bit(gpu::FEATURE_COINCIDENT_FACES) : 0u) |
                       (scene.fog ? gpu::bit(gpu::FEATURE_FOG) : 0u) | extraFeatures;
     result.vertexTexels = vertexTexelsFor(result.features);
     result.triangles = world.triangleCount();

@@ -37,8 +37,12 @@ bool shapeHolds(const Shape& shape, const glm::dvec3& p) {
     }
 }
 
+/// What touches may be apart by the rounding of its corners.
 bool touch(const Solid& a, const Solid& b) {
-    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
+    const glm::dvec3 rounding = 1e-6 * glm::max(glm::max(glm::abs(a.lower), glm::abs(a.upper)),
+                                                glm::max(glm::abs(b.lower), glm::abs(b.upper)));
+    return glm::all(glm::lessThanEqual(a.lower, b.upper + rounding)) &&
+           glm::all(glm::lessThanEqual(b.lower, a.upper + rounding));
 }
 
 Solid solidOf(const WorldGeometry& world, const WorldInstance& instance) {

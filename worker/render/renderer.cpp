@@ -51,6 +51,10 @@ gpu::PipelineSpec pipelineSpec(const IntegratorKernel& kernel, const KernelShape
     return spec;
 }
 
+float largestCoordinate(const glm::vec3& v) {
+    return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+}
+
 // The scene of one part of the shutter's time, which may be all of it.
 struct Moment {
     GpuScene scene;
@@ -232,6 +236,7 @@ void Renderer::Impl::setParameters(int32_t frame) {
         p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
         p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
         setLights(p, moment.scene);
+        p.extent.x = 2 * std::max(largestCoordinate(moment.lower), largestCoordinate(moment.upper));
         integrator.set(p, moment.lower, moment.upper);
         setFog(p, moment.scene.fog, moved);
         wanted |= setMedia(p, moment.scene.solids, glm::dvec3(moved.keys.front().toWorld[3]));
