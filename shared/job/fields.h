@@ -80,7 +80,7 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
     v.number({"rouletteSurvival", "probability of going on, of the constant rule"}, settings.rouletteSurvival,
              {0.05, 1});
     v.integer({"shadowDepth",
-               "scatterings before lights shine through everything; a biased knob: below maxBounces the "
+               "bounces after which shadow rays are skipped; biased below maxBounces: the "
                "picture is too bright"},
               settings.shadowDepth, {0, 1024});
     v.choice({"directionSampling",

@@ -83,14 +83,14 @@ void describe(Visitor& v, Is<MotionSettings> auto& motion) {
     v.text({"animation", "of the glTF file: all, none or one by name"}, motion.animation, {1, 1024});
     v.flag({"loop", "animations start again at their end, else they stay there"}, motion.loop);
     v.number({"turntable",
-              "degrees a frame that the camera goes round the scene's middle, counter-clockwise seen "
+              "orbit of the camera around the scene's centre in degrees per frame, counter-clockwise seen "
               "from above (+y); 360 / frames for a full turn"},
              motion.turntable, kTurn);
     v.number({"shutter", "share of the frame's time that the shutter is open: 0 no blur, 0.5 as 180 degrees"},
              motion.shutter, {0, 1});
     v.integer({"shutterSteps",
-               "moments that stand for the open shutter where the scene moves, a power of two; a biased "
-               "knob: the camera alone moves without steps"},
+               "scene snapshots per exposure where the scene moves, a power of two; biased (the camera alone "
+               "moves without steps)"},
               motion.shutterSteps, {1, kMostShutterSteps});
 }
 

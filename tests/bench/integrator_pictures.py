@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders the demo scene with three integrators side by side (docs/integrators.png) and prints the README's table of
+"""Renders the demo scene with three integrators side by side (docs/integrators.png) and prints the table of docs/integrators.md of
 what each took.
 
     tests/bench/integrator_pictures.py [--build build/release] [--samples 1024] [--repeat 3] [--out docs/integrators.png]

@@ -145,7 +145,7 @@ TEST(JobOptions, RefuseWhatIsOutOfRange) {
         EXPECT_THROW(parsed({words}), CLI::ParseError) << words;
 }
 
-// Every member of the schema as the README writes it: settings.seed, lights[].kind.
+// Every member of the schema as docs/jobs.md writes it: settings.seed, lights[].kind.
 void collectMembers(const nlohmann::json& schema, const std::string& prefix, std::vector<std::string>& out) {
     if (schema.contains("properties") && schema["type"] == "object")
         for (const auto& [name, member] : schema["properties"].items())
@@ -164,13 +164,13 @@ std::string tablesOf(const std::string& file) {
     return tables;
 }
 
-TEST(Readme, HasEveryKnobInItsTables) {
-    const std::string tables = tablesOf(TILEFARM_SOURCE_DIR "/README.md");
+TEST(Documents, HaveEveryKnobInItsTables) {
+    const std::string tables = tablesOf(TILEFARM_SOURCE_DIR "/docs/jobs.md");
     std::vector<std::string> members;
     collectMembers(jobSchema(), "", members);
     EXPECT_GT(members.size(), 60u);
     for (const std::string& member : members)
-        EXPECT_THAT(tables, testing::HasSubstr("`" + member + "`")) << "not in a table of the README";
+        EXPECT_THAT(tables, testing::HasSubstr("`" + member + "`")) << "not in a table of docs/jobs.md";
 
     CLI::App app;
     JobSpec spec;
@@ -180,7 +180,7 @@ TEST(Readme, HasEveryKnobInItsTables) {
             if (name == "help") continue;
             const bool found = tables.find("`--" + name + "`") != std::string::npos ||
                                tables.find("`--" + name + " ") != std::string::npos;
-            EXPECT_TRUE(found) << "--" << name << " is not in a table of the README";
+            EXPECT_TRUE(found) << "--" << name << " is not in a table of docs/jobs.md";
         }
 }
 
