@@ -110,13 +110,13 @@ TEST(HostilePassExr, WithFaultsThatCannotBeIsRefused) {
         return codeOf([&] { decodePassFilms(bytes); }) == ErrorCode::unprocessable;
     };
     const Rect r = someFilms()[1].rect;
-    EXPECT_TRUE(refused({uint64_t{1} << 40, 0, 0, 0, 0, {}}));
-    EXPECT_TRUE(refused({0, 0, 0, uint64_t{1} << 40, 0, {}}));
-    EXPECT_TRUE(refused({0, 1, -1, 0, 0, {}})) << "negative light";
-    EXPECT_TRUE(refused({0, 0, 0, 1, std::numeric_limits<double>::quiet_NaN(), {}}));
-    EXPECT_TRUE(refused({0, 0, 0, 0, 0, {{r.x + r.width, r.y, 64}}})) << "beside the tile";
-    EXPECT_TRUE(refused({0, 0, 0, 0, 0, {{r.x, r.y, 3}}})) << "of another pass";
-    EXPECT_TRUE(refused({0, 0, 0, 0, 0, std::vector<DroppedSample>(kMostDropped + 1, {r.x, r.y, 64})}));
+    EXPECT_TRUE(refused({uint64_t{1} << 40, 0, 0, 0, 0, 0, {}}));
+    EXPECT_TRUE(refused({0, 0, 0, uint64_t{1} << 40, 0, 0, {}}));
+    EXPECT_TRUE(refused({0, 1, -1, 0, 0, 0, {}})) << "negative light";
+    EXPECT_TRUE(refused({0, 0, 0, 1, std::numeric_limits<double>::quiet_NaN(), 0, {}}));
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, 0, {{r.x + r.width, r.y, 64}}})) << "beside the tile";
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, 0, {{r.x, r.y, 3}}})) << "of another pass";
+    EXPECT_TRUE(refused({0, 0, 0, 0, 0, 0, std::vector<DroppedSample>(kMostDropped + 1, {r.x, r.y, 64})}));
 }
 
 TEST(PassExr, IsAnExrThatOpenExrReadsAlike) {

@@ -294,7 +294,7 @@ TEST(JobOverTime, EveryMemberSurvivesTheWire) {
     JobSpec job = jobFromJson(goodJob());
     job.view = {ViewKind::perspective, {1, 2, 3}, {4, 5, 6}, {0, 0, 1}, 12, 3, 0, 2.8, 0.02, 7, 5, 15};
     job.motion = {30, "Walk", true, 7.5, 0.5, 16};
-    job.output = {true, true, true, true};
+    job.output = {true, true, true, MatteManifest::sidecar, true};
     job.settings.filter = PixelFilter::blackmanHarris;
     job.settings.filterRadius = 2;
     job.settings.jitter = false;
