@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "worker/render/material_packer.h"
 #include "worker/scene/load.h"
 
@@ -105,7 +107,7 @@ TEST(LayerPacker, BindsTexturesAndTablesOnlyOfLobesThatShow) {
 // tests/data/make_materials.py: the scenes hold what the pictures in the documents are to show.
 TEST(LayerPacker, OurScenesCallForTheLobesTheyShow) {
     const auto featuresOf = [](const char* name) {
-        const Scene scene = loadGltf(std::string(TILEFARM_SOURCE_DIR) + "/tests/data/" + name);
+        const Scene scene = loadGltf(std::filesystem::path(TILEFARM_SOURCE_DIR) / "tests/data" / name);
         TexturePacker textures(scene);
         MaterialPacker packer(textures);
         for (const Material& material : scene.materials) packer.add(material, true);
