@@ -73,7 +73,7 @@ class Paths(FarmTest):
 class Faults(FarmTest):
     """One scene with a fault of each kind."""
 
-    PLACES = ["animations/0 (Broken)", "bufferViews/1/byteStride", "images/1", "nodes/0/extras/note"]
+    PLACES = ["animations/0 (Broken)", "animations/0/samplers/0", "bufferViews/1/byteStride", "images/1", "nodes/0/extras/note"]
 
     def scene(self, *, missing=True):
         gltf = tiny()
@@ -136,8 +136,8 @@ class Light(FarmTest):
     def test_a_matte_floor_beside_it_is_as_bright_as_its_albedo(self):
         others = {
             "an unlit card": {"extensions": {"KHR_materials_unlit": {}}},
-            "a black emissive map": {"emissiveFactor": [5, 5, 5], "emissiveTexture": {"index": 1}},
-            "an emitter that is cut out": {"emissiveFactor": [5, 5, 5], "alphaMode": "MASK",
+            "a black emissive map": {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 1}},
+            "an emitter that is cut out": {"emissiveFactor": [1, 1, 1], "alphaMode": "MASK",
                                            "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0]}},
         }
         black = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYGAAAAAEAAH2FzhVAAAAAElFTkSuQmCC")
