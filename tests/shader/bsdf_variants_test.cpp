@@ -97,7 +97,7 @@ TEST_F(BsdfVariantsTest, BrushedMetalMakesNoLight) {
                 }
 }
 
-TEST_F(BsdfVariantsTest, FilmsAreSound) {
+TEST_F(BsdfVariantsTest, FullFilmsAreSound) {
     for (const LobeRow& r : filmRows()) {
         expectSoundLobe(r);
         LobeRow compensated = r;

@@ -249,7 +249,7 @@ TEST_F(FogTest, LightsAloneAndThePhaseFunctionAloneAgreeWithBoth) {
     }
 }
 
-TEST_F(FogTest, EveryWayOfChoosingLightsGivesTheSamePicture) {
+TEST_F(FogTest, FullEveryWayOfChoosingLightsGivesTheSamePicture) {
     Scene scene = foggyRoom();
     scene.lights.push_back(lampAt({0.2, 0.4, 0.8}, 0.3f));
     scene.lights.push_back(lampAt({-1.2, 0.6, 0.4}, 0.3f));

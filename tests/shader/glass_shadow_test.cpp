@@ -143,7 +143,7 @@ Scene greenhouse() {
     return scene;
 }
 
-TEST_F(GlassShadowTest, EveryWayToSampleLightsFindsTheSameBehindPanes) {
+TEST_F(GlassShadowTest, FullEveryWayToSampleLightsFindsTheSameBehindPanes) {
     const Scene scene = greenhouse();
     const Camera camera = cameraAt({0, 0.6, 0.1}, {0, 0, 0}, 1);
     const auto mean = [&](DirectLight directLight, uint32_t samples, uint32_t seed) {

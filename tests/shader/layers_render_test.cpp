@@ -189,7 +189,7 @@ TEST_F(LayersRenderTest, UnlitShowsItsColourWhateverItsLayers) {
 }
 
 // The code of one lobe compiled in beside another that is used: no bit of the picture may change.
-TEST_F(LayersRenderTest, LobesKeepTheirBitsBesideTheCodeOfOthers) {
+TEST_F(LayersRenderTest, FullLobesKeepTheirBitsBesideTheCodeOfOthers) {
     using gpu::bit;
     const auto scene = [](const Material& left, const Material& right) {
         Scene result;
