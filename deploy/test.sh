@@ -4,8 +4,8 @@
 #     deploy/test.sh                        all tests but the label `full`, then each fuzzer for a minute
 #     deploy/test.sh PRESET [CTEST OPTION…] release, asan or tsan, without the fuzzers
 #
-# asan runs all that it can in reasonable time, tsan what has threads (testPresets in CMakePresets.json; why: CONTRIBUTING.md,
-# Sanitizers and fuzzing). TILEFARM_FUZZ_SECONDS sets the fuzzers' time, 0 leaves them out.
+# asan runs all that it can in reasonable time, tsan what has threads (testPresets in CMakePresets.json; why:
+# CONTRIBUTING.md, Sanitizers and fuzzing). TILEFARM_FUZZ_SECONDS sets the fuzzers' time, 0 leaves them out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -12,8 +12,8 @@ using ImageAttributes = std::map<std::string, std::string>;
 
 inline constexpr std::string_view kAttributePrefix = "tilefarm.";
 
-/// The longest value of a header entry that we write: after an entry of more than 255 bytes ffmpeg 5.1.9 may lose its
-/// place in the header and give a black picture (findings/ffmpeg-exr-attributes.sh).
+/// The longest value of a header entry that we write: after an entry of more than 255 bytes ffmpeg 5.1.9 may
+/// lose its place in the header and give a black picture (findings/ffmpeg-exr-attributes.sh).
 inline constexpr size_t kMostAttributeBytes = 250;
 
 /// A text that is longer becomes "NAME.001", "NAME.002", … which go on where the last ended, between

@@ -12,8 +12,8 @@ inline constexpr NumberRange kAnisotropy{-0.9999, 0.9999};
 
 template <typename Visitor>
 void describe(Visitor& v, Is<FogSettings> auto& fog) {
-    v.triple({"extinction", "extinction coefficient in 1/m, by channel; 0 is no fog"},
-             fog.extinction, kExtinction);
+    v.triple({"extinction", "extinction coefficient in 1/m, by channel; 0 is no fog"}, fog.extinction,
+             kExtinction);
     v.triple({"albedo", "share of the extinction that is scattered"}, fog.albedo, kShare);
     v.number({"anisotropy", "mean cosine g of the scattering angle: above 0 forwards, below 0 backwards"},
              fog.anisotropy, kAnisotropy);

@@ -17,16 +17,14 @@ template <typename Visitor>
 void describe(Visitor& v, Is<OutputSettings> auto& output) {
     v.flag({"lightPaths",
             "channels of light by its first scattering: emission, and diffuse, specular, transmission and "
-            "volume, "
-            "each direct and indirect; they add up to the picture"},
+            "volume, each direct and indirect; they add up to the picture"},
            output.lightPaths);
     v.flag({"uv", "a channel of the first surface's texture coordinates"}, output.uv);
     v.flag({"cryptomatte", "ids of objects and materials with their coverage (Cryptomatte 1.2)"},
            output.cryptomatte);
     v.choice({"cryptomatteManifest",
               "where the names that the ids stand for are: in the file's header, in sidecar files beside it, "
-              "or in "
-              "sidecar files where they are longer than 250 bytes (auto)"},
+              "or in sidecar files where they are longer than 250 bytes (auto)"},
              output.cryptomatteManifest, kMatteManifestChoices);
     v.flag(
         {"denoise",

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures the denoiser on whole scenes and prints the table of docs/denoiser.md: error raw and denoised at several sample counts,
-the bias, and what becomes of the picture's light.
+"""Measures the denoiser on whole scenes and prints the table of docs/denoiser.md: error raw and denoised at several
+sample counts, the bias, and what becomes of the picture's light.
 
     tests/bench/denoise_table.py [--build build/release] [--work FOLDER] [--only demo,cornell] [--seeds 8] [--reference 1024]
 

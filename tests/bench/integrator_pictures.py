@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Renders the demo scene with three integrators side by side (docs/integrators.png) and prints the table of docs/integrators.md of
-what each took.
+"""Renders the demo scene with three integrators side by side (docs/integrators.png) and prints the table of
+docs/integrators.md of what each took.
 
     tests/bench/integrator_pictures.py [--build build/release] [--samples 1024] [--repeat 3] [--out docs/integrators.png]
 

@@ -60,6 +60,13 @@ class Description(FarmTest):
         shifted["paths"]["/v1/jobs"]["get"]["tags"] = [None]
         self.assertFalse(self.validate(shifted)["valid"])
 
+    def test_is_listed_in_the_documents(self):
+        self.start_server()
+        table = (ROOT / "docs" / "api.md").read_text()
+        for path, operations in self.get("/v1/openapi.json")["paths"].items():
+            for method, operation in operations.items():
+                self.assertIn(f"| `{method.upper()} {path}` | {operation['summary']} |", table)
+
     def test_names_the_query_parameters_that_are_read(self):
         read = set()
         for source in (ROOT / "server" / "api").glob("*.cpp"):

@@ -12,7 +12,8 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> spirv, const std::ve
     optimizer.RegisterPass(spvtools::CreateSetSpecConstantDefaultValuePass(values))
         .RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
         .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass())
-        // Branches on features alone go first: the passes after this one, the slow ones, then read what is left.
+        // Branches on features alone go first: the passes after this one, the slow ones, then read what is
+        // left.
         .RegisterPass(spvtools::CreateDeadBranchElimPass())
         .RegisterPass(spvtools::CreateEliminateDeadFunctionsPass())
         .RegisterPass(spvtools::CreateCCPPass())

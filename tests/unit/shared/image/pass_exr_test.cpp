@@ -97,7 +97,8 @@ TEST(HostilePassExr, WithFurtherChannelsThatAreSpoiltOrCutIsRefusedOrReadButDoes
 TEST(PassExr, CarriesTheFaultsOfEachPass) {
     auto films = someFilms();
     const Rect& r = films[1].rect;
-    films[1].faults = {7, uint64_t{1} << 10, 5.5, 3, 0.25, 1u << 20, {{r.x + 3, r.y + 2, 65}, {r.x, r.y, 127}}};
+    films[1].faults = {
+        7, uint64_t{1} << 10, 5.5, 3, 0.25, 1u << 20, {{r.x + 3, r.y + 2, 65}, {r.x, r.y, 127}}};
     const auto read = decodePassFilms(encodePassFilms(films, kImage, kAttributes));
     for (size_t i = 0; i < films.size(); ++i) EXPECT_EQ(read[i].faults, films[i].faults) << i;
 }

@@ -27,16 +27,16 @@ TEST(BundlePaths, AboveTheSceneOnlyWhatLooksLikeAPartOfIt) {
 }
 
 TEST(BundlePaths, TheRootIsAsFarUpAsTheFarthestReference) {
-    const BundleRoot beside("work/models/chair.gltf", 0);
+    const BundleRoot beside("project/models/chair.gltf", 0);
     EXPECT_EQ(beside.entry(), "chair.gltf");
     EXPECT_EQ(beside.nameOf(tidyPath("tex/wood.png")), "tex/wood.png");
-    EXPECT_EQ(beside.fileOf(tidyPath("wood.png")), "work/models/wood.png");
+    EXPECT_EQ(beside.fileOf(tidyPath("wood.png")), "project/models/wood.png");
 
-    const BundleRoot above("/work/models/chair.gltf", 1);
+    const BundleRoot above("/project/models/chair.gltf", 1);
     EXPECT_EQ(above.entry(), "models/chair.gltf");
     EXPECT_EQ(above.nameOf(tidyPath("chair.bin")), "models/chair.bin");
     EXPECT_EQ(above.nameOf(tidyPath("../textures/wood.png")), "textures/wood.png");
-    EXPECT_EQ(above.fileOf(tidyPath("../textures/wood.png")), "/work/textures/wood.png");
+    EXPECT_EQ(above.fileOf(tidyPath("../textures/wood.png")), "/project/textures/wood.png");
     EXPECT_EQ(levelsAbove(above.entry()), 1u);
 }
 
