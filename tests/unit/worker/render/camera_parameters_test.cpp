@@ -27,8 +27,9 @@ TEST(CameraParameters, IgnoreTheScaleOfTheCamerasNode) {
     Camera camera;
     camera.toWorld = glm::scale(glm::dmat4(1), glm::dvec3(10, 20, 30));
     gpu::FrameParameters scaled{}, plain{};
-    setCamera(scaled, camera, {});
-    setCamera(plain, Camera{}, {});
+    const ImageSpec image{.width = 300, .height = 100};
+    setCamera(scaled, camera, image);
+    setCamera(plain, Camera{}, image);
     EXPECT_EQ(scaled.cameraUp, plain.cameraUp);
     EXPECT_EQ(scaled.cameraRight, plain.cameraRight);
     EXPECT_EQ(scaled.cameraForward, plain.cameraForward);
