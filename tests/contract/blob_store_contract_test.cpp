@@ -5,15 +5,12 @@
 #include "server/store/file_blob_store.h"
 #include "server/store/memory_blob_store.h"
 #include "shared/digest/digest.h"
+#include "tests/contract/backend_name.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tilefarm {
 namespace {
-
-auto named(const char* backend) {
-    return [backend](const auto&) { return std::string(backend); };
-}
 
 using MakeBlobs = std::function<std::unique_ptr<BlobStore>(const TemporaryFolder&)>;
 
@@ -85,11 +82,11 @@ TEST_P(BlobStoreContract, KeepsAnEmptyBlob) {
 INSTANTIATE_TEST_SUITE_P(Memory, BlobStoreContract, testing::Values([](const TemporaryFolder&) {
                              return std::make_unique<MemoryBlobStore>();
                          }),
-                         named("Memory"));
+                         backendName("Memory"));
 INSTANTIATE_TEST_SUITE_P(Files, BlobStoreContract, testing::Values([](const TemporaryFolder& folder) {
                              return std::make_unique<FileBlobStore>(folder / "blobs");
                          }),
-                         named("Files"));
+                         backendName("Files"));
 
 TEST(FileBlobStore, KeepsBlobsOverAReopenAndRemovesUnfinishedOnes) {
     const TemporaryFolder folder;

@@ -4,15 +4,12 @@
 
 #include "server/store/memory_job_store.h"
 #include "server/store/sqlite_job_store.h"
+#include "tests/contract/backend_name.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tilefarm {
 namespace {
-
-auto named(const char* backend) {
-    return [backend](const auto&) { return std::string(backend); };
-}
 
 using MakeStore = std::function<std::unique_ptr<JobStore>(const TemporaryFolder&)>;
 
@@ -565,11 +562,11 @@ TEST_P(JobStoreContract, GivesEventsInOrderAndNeverAnIdTwice) {
 INSTANTIATE_TEST_SUITE_P(Memory, JobStoreContract, testing::Values([](const TemporaryFolder&) {
                              return std::make_unique<MemoryJobStore>();
                          }),
-                         named("Memory"));
+                         backendName("Memory"));
 INSTANTIATE_TEST_SUITE_P(Sqlite, JobStoreContract, testing::Values([](const TemporaryFolder& folder) {
                              return std::make_unique<SqliteJobStore>(folder / "tilefarm.sqlite");
                          }),
-                         named("Sqlite"));
+                         backendName("Sqlite"));
 
 }  // namespace
 }  // namespace tilefarm

@@ -1,5 +1,5 @@
-// Every light against its own pdf: sampled directions follow it, it integrates to 1, and what a sample says of
-// itself is what a ray that meets the light would be told. Through the real shader code.
+// Every light against its own pdf: sampled directions follow it, it integrates to 1, and what a sample says
+// of itself is what a ray that meets the light would be told. Through the real shader code.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -138,11 +138,8 @@ TEST_P(LightSamplingTest, ARayThatMeetsASampleIsToldThePdfThatItWasDrawnWith) {
     EXPECT_LE(missed, asked.size() / 500);
 }
 
-std::string nameOf(const testing::TestParamInfo<size_t>& info) {
-    return lightsWithExtent()[info.param].name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Every, LightSamplingTest, testing::Range(size_t{0}, lightsWithExtent().size()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Every, LightSamplingTest, testing::Range(size_t{0}, lightsWithExtent().size()),
+                         nameOfLight);
 
 }  // namespace
 }  // namespace tilefarm

@@ -48,22 +48,30 @@ std::vector<LightScene> lightsWithExtent() {
         all.push_back(s);
         return all.back().scene;
     };
-    addMesh(add("triangle", {0.4, 1, 0.1}, 0.5), [] {
-        Mesh mesh;
-        mesh.positions = {{0, 1, -0.4f}, {0.9f, 1.2f, 0}, {0.2f, 1, 0.7f}};
-        mesh.triangles = {{0, 1, 2}};
-        return mesh;
-    }(), matte(glm::vec3(0), glm::vec3(3)));
+    addMesh(
+        add("triangle", {0.4, 1, 0.1}, 0.5),
+        [] {
+            Mesh mesh;
+            mesh.positions = {{0, 1, -0.4f}, {0.9f, 1.2f, 0}, {0.2f, 1, 0.7f}};
+            mesh.triangles = {{0, 1, 2}};
+            return mesh;
+        }(),
+        matte(glm::vec3(0), glm::vec3(3)));
     {
         Scene& scene = add("texturedTriangles", {0, 1, 0}, 0.3);
         Material lamp = matte(glm::vec3(0), glm::vec3(4));
-        scene.images.push_back({"bright corner", 2, 2, {255, 255, 255, 255, 30, 30, 30, 255, 90, 90, 90, 255, 0, 0, 0, 255}, {}});
+        scene.images.push_back({"bright corner",
+                                2,
+                                2,
+                                {255, 255, 255, 255, 30, 30, 30, 255, 90, 90, 90, 255, 0, 0, 0, 255},
+                                {}});
         lamp.emissionTexture.image = 0;
         addMesh(scene, quadMesh({-0.5f, 1, -0.5f}, {1, 0, 0}, {0, 0, 1}), lamp);
     }
     add("quad", {0.2, 1, 0}, -0.2).areaLights = {quadLight({0.3, 0.5, 0.1}, {0.6, 0.1, 0}, {0, 0, 0.5}, 2)};
     add("farQuad", {3, 8, 1}, 0.99).areaLights = {quadLight({3, 8, 1}, {0.2, 0, 0}, {0, 0.02, 0.3}, 100)};
-    add("twoSidedQuad", {0, 1, 0.5}, -0.2).areaLights = {quadLight({0, 0.8, 0.5}, {0.4, 0, 0}, {0, 0.3, 0.4}, 2)};
+    add("twoSidedQuad", {0, 1, 0.5}, -0.2).areaLights = {
+        quadLight({0, 0.8, 0.5}, {0.4, 0, 0}, {0, 0.3, 0.4}, 2)};
     all.back().scene.areaLights[0].twoSided = true;
     add("sphere", {0.3, 1, 0.1}, 0.3).areaLights = {sphereLight({0.3, 1, 0.1}, 0.6, 2)};
     add("farSphere", {3, 8, 1}, 0.999).areaLights = {sphereLight({3, 8, 1}, 0.2, 300)};
@@ -73,6 +81,10 @@ std::vector<LightScene> lightsWithExtent() {
     add("sunInEnvironment", {0.754, 0.634, -0.166}, 0.95).environment = oneTexelSun(32, 16, 20, 4, 50);
     all.back().scene.environment.rotation = 1.1;
     return all;
+}
+
+std::string nameOfLight(const testing::TestParamInfo<size_t>& info) {
+    return lightsWithExtent()[info.param].name;
 }
 
 }  // namespace tilefarm

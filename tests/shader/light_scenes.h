@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -25,5 +27,7 @@ Environment oneTexelSun(uint32_t width, uint32_t height, uint32_t x, uint32_t y,
 
 /// Every kind of light that has an extent, alone in its scene.
 std::vector<LightScene> lightsWithExtent();
+/// Of a test whose parameter counts them.
+std::string nameOfLight(const testing::TestParamInfo<size_t>& info);
 
 }  // namespace tilefarm

@@ -1,5 +1,5 @@
-// The light that arrives from every kind of light: against closed forms, and light sampling, BSDF sampling and
-// both together against each other. By z-tests on images of the real renderer.
+// The light that arrives from every kind of light: against closed forms, and light sampling, BSDF sampling
+// and both together against each other. By z-tests on images of the real renderer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,9 +18,10 @@ namespace {
 
 using std::numbers::pi;
 
-/// Irradiance of a polygon of radiance 1: Lambert's formula, 1/2 Σ angle of edge times the cosine of its plane. All of
-/// it above the plane of the receiver.
-double polygonIrradiance(const std::vector<glm::dvec3>& corners, const glm::dvec3& point, const glm::dvec3& normal) {
+/// Irradiance of a polygon of radiance 1: Lambert's formula, 1/2 Σ angle of edge times the cosine of its
+/// plane. All of it above the plane of the receiver.
+double polygonIrradiance(const std::vector<glm::dvec3>& corners, const glm::dvec3& point,
+                         const glm::dvec3& normal) {
     double sum = 0;
     for (size_t i = 0; i < corners.size(); ++i) {
         const glm::dvec3 a = glm::normalize(corners[i] - point),
@@ -38,7 +39,8 @@ std::vector<glm::dvec3> cornersOf(const AreaLight& l) {
 
 /// A floor of albedo 1/2 around the origin, facing +y; the edge of its two triangles passes beside it.
 void addFloor(Scene& scene, float half = 5) {
-    addMesh(scene, quadMesh({-half, 0, 1.3f * half}, {2 * half, 0, 0}, {0, 0, -2 * half}), matte(glm::vec3(0.5f)));
+    addMesh(scene, quadMesh({-half, 0, 1.3f * half}, {2 * half, 0, 0}, {0, 0, -2 * half}),
+            matte(glm::vec3(0.5f)));
 }
 
 /// A camera that sees next to nothing but `point` on the floor, from the side.
@@ -49,18 +51,20 @@ Camera closeUp(const glm::dvec3& point) {
 class LightTest : public DeviceTest {
 protected:
     Mean radianceAt(const Scene& scene, const glm::dvec3& point, uint32_t samples,
-                    DirectLight directLight = DirectLight::mis, LightSelection selection = LightSelection::power,
-                    uint32_t seed = 1) {
+                    DirectLight directLight = DirectLight::mis,
+                    LightSelection selection = LightSelection::power, uint32_t seed = 1) {
         RenderSettings settings = bounces(1, seed);
         settings.directLight = directLight;
         settings.lightSelection = selection;
         return meanOf(renderFrame(device, scene, closeUp(point), square(32), settings, samples));
     }
 
-    void expectIrradiance(const Scene& scene, const glm::dvec3& point, double irradiance, uint32_t samples = 64) {
+    void expectIrradiance(const Scene& scene, const glm::dvec3& point, double irradiance,
+                          uint32_t samples = 64) {
         for (const DirectLight mode : {DirectLight::mis, DirectLight::lights}) {
             SCOPED_TRACE(static_cast<int>(mode));
-            expectMean(radianceAt(scene, point, samples, mode), 0.5 / pi * irradiance, 1e-3 * irradiance * 0.5 / pi);
+            expectMean(radianceAt(scene, point, samples, mode), 0.5 / pi * irradiance,
+                       1e-3 * irradiance * 0.5 / pi);
         }
     }
 
@@ -69,14 +73,15 @@ protected:
         addFloor(scene);
         scene.areaLights = {light};
         const double radiance = light.radiance.x;
-        expectIrradiance(scene, point, radiance * polygonIrradiance(cornersOf(light), point, {0, 1, 0}), samples);
+        expectIrradiance(scene, point, radiance * polygonIrradiance(cornersOf(light), point, {0, 1, 0}),
+                         samples);
     }
 };
 
 TEST_F(LightTest, QuadGivesLambertsPolygonFormula) {
     expectPolygon(quadLight({0.3, 1.5, 0}, {1, 0, 0}, {0, 0, 1}, 4), {0.7, 0, 0.2});
-    EXPECT_NEAR(polygonIrradiance({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}}, {0, 0, 0}, {0, 1, 0}), 1.7408395,
-                1e-6);
+    EXPECT_NEAR(polygonIrradiance({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}}, {0, 0, 0}, {0, 1, 0}),
+                1.7408395, 1e-6);
 }
 
 TEST_F(LightTest, QuadStandsUprightOnTheFloorAndTouchesIt) {
@@ -90,7 +95,8 @@ TEST_F(LightTest, QuadStandsUprightOnTheFloorAndTouchesIt) {
 TEST_F(LightTest, QuadThatIsThinFarAndGrazingKeepsItsIrradiance) {
     // Hard case 36: a thousandth wide at ten units, seen at 89.9° from its normal.
     const double tilt = 89.9 * pi / 180;
-    const AreaLight sliver = quadLight({0, 10, 0}, {0.0005, 0, 0}, {0, 0.5 * std::sin(tilt), 0.5 * std::cos(tilt)}, 1e6);
+    const AreaLight sliver =
+        quadLight({0, 10, 0}, {0.0005, 0, 0}, {0, 0.5 * std::sin(tilt), 0.5 * std::cos(tilt)}, 1e6);
     AreaLight facing = sliver;
     if (glm::cross(facing.u, facing.v).y > 0) std::swap(facing.u, facing.v);
     expectPolygon(facing, {0, 0, 0});
@@ -105,7 +111,9 @@ TEST_F(LightTest, QuadIsSeenFromItsFrontOnlyUnlessItIsTwoSided) {
     scene.materials.push_back(matte(glm::vec3(1)));
     scene.areaLights = {quadLight({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 3)};
     const auto seen = [&](double z) {
-        return meanOf(renderFrame(device, scene, cameraAt({0, 0, z}, {0, 0, 0}, 0.1), square(8), bounces(1), 1)).value;
+        return meanOf(
+                   renderFrame(device, scene, cameraAt({0, 0, z}, {0, 0, 0}, 0.1), square(8), bounces(1), 1))
+            .value;
     };
     EXPECT_EQ(seen(5), 3);
     EXPECT_EQ(seen(-5), 0);
@@ -117,7 +125,8 @@ TEST_F(LightTest, QuadFarFromTheOriginIsWhereItIs) {
     Scene scene;
     const glm::dvec3 away(3e6, 0, -2e6);
     addMesh(scene, quadMesh({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), matte(glm::vec3(0.5f)),
-            glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(away, 1)));
+            glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 1, 0),
+                       glm::dvec4(away, 1)));
     const AreaLight light = quadLight(away + glm::dvec3(0.3, 1.5, 0), {1, 0, 0}, {0, 0, 1}, 4);
     scene.areaLights = {light};
     const glm::dvec3 point = away + glm::dvec3(0.7, 0, 0.2);
@@ -131,8 +140,10 @@ double sphereIrradiance(const AreaLight& sphere, const glm::dvec3& point) {
 }
 
 TEST_F(LightTest, SphereGivesItsClosedFormNearAndFar) {
-    for (const auto& [centre, radius] :
-         {std::pair{glm::dvec3(0.4, 1.5, 0.3), 0.5}, {{0.3, 1, 0}, 0.9}, {{30, 40, 0}, 1.0}, {{0, 4000, 3000}, 1.0}}) {
+    for (const auto& [centre, radius] : {std::pair{glm::dvec3(0.4, 1.5, 0.3), 0.5},
+                                         {{0.3, 1, 0}, 0.9},
+                                         {{30, 40, 0}, 1.0},
+                                         {{0, 4000, 3000}, 1.0}}) {
         SCOPED_TRACE(centre.y);
         Scene scene;
         addFloor(scene);
@@ -152,8 +163,8 @@ TEST_F(LightTest, SphereAroundThePointFillsWhatItSees) {
         RenderSettings settings = bounces(1);
         for (const DirectLight mode : {DirectLight::mis, DirectLight::lights, DirectLight::bsdf}) {
             settings.directLight = mode;
-            expectMean(meanOf(renderFrame(device, scene, cameraAt({0, 1e-4, 0}, {0, 0, 0}, 0.5), square(16), settings,
-                                          64)),
+            expectMean(meanOf(renderFrame(device, scene, cameraAt({0, 1e-4, 0}, {0, 0, 0}, 0.5), square(16),
+                                          settings, 64)),
                        0.5 * 2, 0.01);
         }
     }
@@ -168,9 +179,11 @@ TEST_F(LightTest, SphereThatTheLastDigitsSeparateFromThePointGivesItsIrradiance)
         LightProbe probe(device, scene);
         std::mt19937 random(1);
         std::vector<LightQuery> queries(20000);
-        for (LightQuery& q : queries) q = {{0, 0, 0, 0}, {0, 1, 0, 0}, {}, {random(), random(), random(), random()}, {}};
+        for (LightQuery& q : queries)
+            q = {{0, 0, 0, 0}, {0, 1, 0, 0}, {}, {random(), random(), random(), random()}, {}};
         double sum = 0;
-        for (const LightAnswer& a : probe.ask(queries)) sum += a.radiance.w == 0 ? 0 : a.wi.y * a.radiance.x / a.wi.w;
+        for (const LightAnswer& a : probe.ask(queries))
+            sum += a.radiance.w == 0 ? 0 : a.wi.y * a.radiance.x / a.wi.w;
         EXPECT_NEAR(sum / 20000, pi / ((1 + gap) * (1 + gap)), 0.02) << gap;
     }
 }
@@ -184,8 +197,8 @@ TEST_F(LightTest, SphereAgreesWithAFineMeshOfItFarAway) {
         const AreaLight light = sphereLight({0, 40, 0}, radius, 1e6f);
         analytic.areaLights = {light};
         addMesh(mesh, sphereMesh(32), matte(glm::vec3(0), glm::vec3(1e6f)),
-                glm::dmat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, radius, 0, 0), glm::dvec4(0, 0, radius, 0),
-                           glm::dvec4(0, 40, 0, 1)));
+                glm::dmat4(glm::dvec4(radius, 0, 0, 0), glm::dvec4(0, radius, 0, 0),
+                           glm::dvec4(0, 0, radius, 0), glm::dvec4(0, 40, 0, 1)));
         const Mean a = radianceAt(analytic, {0, 0, 0}, 64), b = radianceAt(mesh, {0, 0, 0}, 64);
         expectMean(a, 0.5 / pi * 1e6 * sphereIrradiance(light, {0, 0, 0}), 1e-3 * a.value);
         EXPECT_NEAR(a.value, b.value, 0.01 * a.value + 4 * b.sigma);
@@ -223,7 +236,8 @@ TEST_F(LightTest, RotationTurnsTheEnvironmentCounterClockwiseSeenFromAbove) {
     scene.environment = oneTexelSun(4, 2, 2, 0, 5);  // its middle at 45° up, between +x and +z
     const auto seen = [&](double azimuth) {
         const glm::dvec3 d(std::cos(azimuth), 1, std::sin(azimuth));
-        return meanOf(renderFrame(device, scene, cameraAt({0, 0, 0}, d, 1e-5), square(8), bounces(1), 1)).value;
+        return meanOf(renderFrame(device, scene, cameraAt({0, 0, 0}, d, 1e-5), square(8), bounces(1), 1))
+            .value;
     };
     EXPECT_NEAR(seen(pi / 4), 5, 1e-3);
     EXPECT_NEAR(seen(-pi / 4), 0, 1e-3);
@@ -265,7 +279,6 @@ TEST_F(LightTest, HiddenEnvironmentLightsAndReflectsButIsNotSeen) {
     EXPECT_GT(meanOf(look({0, 2, 0}, {0, 0, 0})).value, 0.9) << "on the floor";
 }
 
-
 class EstimatorTest : public LightTest, public testing::WithParamInterface<size_t> {};
 
 TEST_P(EstimatorTest, LightSamplingBsdfSamplingAndBothGiveTheSame) {
@@ -286,11 +299,8 @@ TEST_P(EstimatorTest, LightSamplingBsdfSamplingAndBothGiveTheSame) {
     expectSame(lights, bsdf);
 }
 
-std::string nameOf(const testing::TestParamInfo<size_t>& info) {
-    return lightsWithExtent()[info.param].name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Every, EstimatorTest, testing::Range(size_t{0}, lightsWithExtent().size()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Every, EstimatorTest, testing::Range(size_t{0}, lightsWithExtent().size()),
+                         nameOfLight);
 
 TEST_F(LightTest, SunAndSkyGiveTheSameToEveryEstimator) {
     Scene scene;

@@ -16,13 +16,6 @@ FieldInstruction of(FieldOperation operation, glm::dvec4 parameters, glm::dvec3 
     return {operation, parameters, translation, {0, 0, 0, 1}};
 }
 
-Shape fieldOf(std::vector<FieldInstruction> field) {
-    Shape shape;
-    shape.kind = ShapeKind::field;
-    shape.field = std::move(field);
-    return shape;
-}
-
 Shape ball() {
     return fieldOf({of(FieldOperation::sphere, {1, 0, 0, 0})});
 }

@@ -19,20 +19,6 @@ FieldInstruction combine(FieldOperation operation, double smooth = 0) {
     return {operation, {smooth, 0, 0, 0}, glm::dvec3(0), {0, 0, 0, 1}};
 }
 
-Shape fieldOf(std::vector<FieldInstruction> field) {
-    Shape shape;
-    shape.kind = ShapeKind::field;
-    shape.field = std::move(field);
-    return shape;
-}
-
-Shape shapeOf(ShapeKind kind, glm::dvec3 size) {
-    Shape shape;
-    shape.kind = kind;
-    shape.size = size;
-    return shape;
-}
-
 using enum FieldOperation;
 
 struct Kind {

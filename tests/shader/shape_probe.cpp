@@ -33,6 +33,20 @@ gpu::ComputePipeline makePipeline(const gpu::Device& device, const Bvh& bvh, boo
 
 }  // namespace
 
+Shape shapeOf(ShapeKind kind, const glm::dvec3& size) {
+    Shape shape;
+    shape.kind = kind;
+    shape.size = size;
+    return shape;
+}
+
+Shape fieldOf(std::vector<FieldInstruction> field) {
+    Shape shape;
+    shape.kind = ShapeKind::field;
+    shape.field = std::move(field);
+    return shape;
+}
+
 ShapeProbe::ShapeProbe(const gpu::Device& device, std::vector<Shape> shapes, bool nonOpaque)
     : device_(device),
       bvh_([&] {

@@ -27,6 +27,9 @@ struct ShapeHit {
 };
 static_assert(sizeof(ShapeHit) == 96);
 
+Shape shapeOf(ShapeKind kind, const glm::dvec3& size);
+Shape fieldOf(std::vector<FieldInstruction> field);
+
 /// Shapes on a device, numbered from 0, in a world that is not re-centred.
 class ShapeProbe {
 public:

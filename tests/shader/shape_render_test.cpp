@@ -110,13 +110,6 @@ void compareWithMesh(const gpu::Device& device, Shape shape, Mesh mesh, double s
     expectSamePicture(pictureOf(device, analytic, 1), pictureOf(device, meshed, 2), slack);
 }
 
-Shape shapeOf(ShapeKind kind, glm::dvec3 size) {
-    Shape shape;
-    shape.kind = kind;
-    shape.size = size;
-    return shape;
-}
-
 TEST_F(ShapePictures, SphereLooksLikeItsMesh) {
     compareWithMesh(device, shapeOf(ShapeKind::sphere, glm::dvec3(1)), turnedMesh(256, 128, [](double v) {
                         return glm::dvec2(v == 0 || v == 1 ? 0 : std::sin(pi * v), std::cos(pi * v));

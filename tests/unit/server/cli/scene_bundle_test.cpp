@@ -42,13 +42,13 @@ struct SceneBundleTest : testing::Test {
     }
 };
 
-std::string glbOf(std::string json, const std::string& rest = {}) {
-    while (json.size() % 4) json += ' ';
+std::string glbOf(std::string document, const std::string& rest = {}) {
+    while (document.size() % 4) document += ' ';
     std::string glb(20, '\0');
-    const uint32_t words[]{0x46546C67, 2, static_cast<uint32_t>(20 + json.size() + rest.size()),
-                           static_cast<uint32_t>(json.size()), 0x4E4F534A};
+    const uint32_t words[]{0x46546C67, 2, static_cast<uint32_t>(20 + document.size() + rest.size()),
+                           static_cast<uint32_t>(document.size()), 0x4E4F534A};
     std::memcpy(glb.data(), words, sizeof words);
-    return glb + json + rest;
+    return glb + document + rest;
 }
 
 TEST_F(SceneBundleTest, HoldsAllFilesTheGltfRefersTo) {

@@ -19,7 +19,7 @@ std::vector<std::byte> bytesOf(const ImageFile& image) {
     return bytes;
 }
 
-QueueConfig smallLeases() {
+QueueConfig oneFrameLeases() {
     QueueConfig config;
     config.mostPixelsPerLease = 6 * 16 * 16;
     return config;
@@ -108,7 +108,7 @@ TEST(FrameImages, SaysWhatMadeTheImage) {
 }
 
 TEST(FrameImages, ShowsAFrameInWorkAsFarAsItIsMerged) {
-    TestFarm farm(smallLeases());
+    TestFarm farm(oneFrameLeases());
     const std::string id = farm.scheduler->submit(smallJob()).job.id;
     farm.deliver(farm.lease());
     const ImageFile first = farm.images->exr(id, 0);

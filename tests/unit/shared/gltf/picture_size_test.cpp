@@ -5,7 +5,7 @@
 namespace tilefarm {
 namespace {
 
-GltfBytes bytesOf(const std::string& text) {
+GltfBytes pictureBytes(const std::string& text) {
     return bytesOfGltf(std::as_bytes(std::span(text)));
 }
 
@@ -24,7 +24,7 @@ ImageSpec sizeOf(const std::string& camera, ImageSpec image = {}, const std::str
     JobSpec job;
     job.camera = camera;
     job.image = image;
-    return pictureSize(bytesOf(scene), job);
+    return pictureSize(pictureBytes(scene), job);
 }
 
 TEST(PictureSize, HasTheAspectOfTheCameraAndALongerSideOf640) {
@@ -59,9 +59,9 @@ TEST(PictureSize, IsTheUsualOneWhereNobodyFramedAView) {
 TEST(PictureSize, OfAPanoramaIsTwiceAsWideAsHigh) {
     JobSpec job;
     job.view.kind = ViewKind::panorama;
-    EXPECT_EQ(pictureSize(bytesOf(kScene), job), (ImageSpec{640, 320}));
+    EXPECT_EQ(pictureSize(pictureBytes(kScene), job), (ImageSpec{640, 320}));
     job.view.kind = ViewKind::perspective;
-    EXPECT_EQ(pictureSize(bytesOf(kScene), job), (ImageSpec{640, 360}));
+    EXPECT_EQ(pictureSize(pictureBytes(kScene), job), (ImageSpec{640, 360}));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ Everything read(const json& source) {
 }
 
 // Pointers of all faults, in order.
-std::vector<std::string> faultsOf(const json& source) {
+std::vector<std::string> readerFaultsOf(const json& source) {
     std::vector<std::string> pointers;
     for (const Fault& fault : errorOf([&] { read(source); }).faults) pointers.push_back(fault.pointer);
     return pointers;
@@ -93,10 +93,11 @@ TEST(JsonReader, KeepsDefaultsOfWhatIsLeftOut) {
 }
 
 TEST(JsonReader, ListsEveryFaultWithItsPlace) {
-    EXPECT_THAT(faultsOf(json::parse(R"({"whole": 9, "real": "x", "on": 1, "text": "abcde", "shape": "cone",
+    EXPECT_THAT(
+        readerFaultsOf(json::parse(R"({"whole": 9, "real": "x", "on": 1, "text": "abcde", "shape": "cone",
         "part": [], "parts": [{"id": 1}, {"id": 0}, {}], "a/b": 1})")),
-                ElementsAre("/whole", "/real", "/on", "/text", "/shape", "/part", "/parts/1/id",
-                            "/parts/2/id", "/a~1b"));
+        ElementsAre("/whole", "/real", "/on", "/text", "/shape", "/part", "/parts/1/id", "/parts/2/id",
+                    "/a~1b"));
 }
 
 TEST(JsonReader, TakesWholeNumbersHoweverTheyAreWritten) {
@@ -104,15 +105,16 @@ TEST(JsonReader, TakesWholeNumbersHoweverTheyAreWritten) {
     EXPECT_EQ(read(json::parse(R"({"whole": 0.7e1})")).whole, 7);
     for (const char* bad :
          {"7.5", "9", "-9", "1e300", "18446744073709551615", "\"7\"", "true", "null", "[7]"})
-        EXPECT_THAT(faultsOf(json::parse(std::string(R"({"whole": )") + bad + "}")), ElementsAre("/whole"))
+        EXPECT_THAT(readerFaultsOf(json::parse(std::string(R"({"whole": )") + bad + "}")),
+                    ElementsAre("/whole"))
             << bad;
 }
 
 TEST(JsonReader, CountsCharactersNotBytesAndRefusesControlCharacters) {
     EXPECT_EQ(read({{"text", "日本語字"}}).text, "日本語字");
-    EXPECT_THAT(faultsOf({{"text", ""}}), ElementsAre("/text"));
-    EXPECT_THAT(faultsOf({{"text", "a\nb"}}), ElementsAre("/text"));
-    EXPECT_THAT(faultsOf({{"text", std::string("a\0b", 3)}}), ElementsAre("/text"));
+    EXPECT_THAT(readerFaultsOf({{"text", ""}}), ElementsAre("/text"));
+    EXPECT_THAT(readerFaultsOf({{"text", "a\nb"}}), ElementsAre("/text"));
+    EXPECT_THAT(readerFaultsOf({{"text", std::string("a\0b", 3)}}), ElementsAre("/text"));
 }
 
 TEST(JsonReader, SaysWhatWasWrong) {
@@ -171,12 +173,12 @@ TEST(JsonReader, ReadsMembersThatMayBeLeftOut) {
 }
 
 TEST(JsonReader, NamesThePlaceOfFaultsInThem) {
-    EXPECT_THAT(
-        faultsOf(json::parse(R"({"color": [0, 2, "x"], "maybeReal": null, "maybeOn": 0, "maybeShape": "cone",
+    EXPECT_THAT(readerFaultsOf(json::parse(
+                    R"({"color": [0, 2, "x"], "maybeReal": null, "maybeOn": 0, "maybeShape": "cone",
                                          "maybeColor": [0, 0], "maybeMetal": "tin"})")),
-        ElementsAre("/color/1", "/color/2", "/maybeReal", "/maybeOn", "/maybeShape", "/maybeColor",
-                    "/maybeMetal"));
-    EXPECT_THAT(faultsOf(json::parse(R"({"color": {}, "maybeColor": [1, 1, 1, 1], "maybeMetal": 7})")),
+                ElementsAre("/color/1", "/color/2", "/maybeReal", "/maybeOn", "/maybeShape", "/maybeColor",
+                            "/maybeMetal"));
+    EXPECT_THAT(readerFaultsOf(json::parse(R"({"color": {}, "maybeColor": [1, 1, 1, 1], "maybeMetal": 7})")),
                 ElementsAre("/color", "/maybeColor", "/maybeMetal"));
 }
 

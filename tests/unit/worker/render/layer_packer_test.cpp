@@ -4,18 +4,12 @@
 
 #include <filesystem>
 
+#include "tests/support/test_scenes.h"
 #include "worker/render/material_packer.h"
 #include "worker/scene/load.h"
 
 namespace tilefarm {
 namespace {
-
-Material matte() {
-    Material m;
-    m.metallic = 0;
-    m.ior = 1;
-    return m;
-}
 
 TextureRef texture() {
     TextureRef ref;
@@ -40,9 +34,9 @@ Packed pack(const Material& material) {
 }
 
 TEST(LayerPacker, CallsForEachLobeByItsWeight) {
-    EXPECT_EQ(pack(matte()).features, 0u);
+    EXPECT_EQ(pack(matte(glm::vec3(1))).features, 0u);
     const auto features = [](auto set) {
-        Material m = matte();
+        Material m = matte(glm::vec3(1));
         set(m);
         return pack(m).features;
     };
@@ -61,7 +55,7 @@ TEST(LayerPacker, CallsForEachLobeByItsWeight) {
 }
 
 TEST(LayerPacker, MetalsHaveNoDiffuseBase) {
-    Material metal = matte();
+    Material metal = matte(glm::vec3(1));
     metal.metallic = 1;
     metal.orenNayarSigma = metal.diffuseTransmission = metal.disneySheen = 1;
     EXPECT_EQ(pack(metal).features,
@@ -71,7 +65,7 @@ TEST(LayerPacker, MetalsHaveNoDiffuseBase) {
 }
 
 TEST(LayerPacker, AttenuationNeedsASolidThatLightEnters) {
-    Material wax = matte();
+    Material wax = matte(glm::vec3(1));
     wax.diffuseTransmission = 1;
     wax.attenuationColor = {0.5f, 1, 1};
     wax.attenuationDistance = 1;
@@ -81,7 +75,7 @@ TEST(LayerPacker, AttenuationNeedsASolidThatLightEnters) {
 }
 
 TEST(LayerPacker, BindsTexturesAndTablesOnlyOfLobesThatShow) {
-    Material m = matte();
+    Material m = matte(glm::vec3(1));
     m.clearcoatTexture = m.clearcoatNormalTexture = m.sheenColorTexture = m.diffuseTransmissionTexture =
         texture();
     Packed packed = pack(m);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/test_scenes.h"
 namespace tilefarm {
 namespace {
 
@@ -17,13 +18,6 @@ uint64_t featuresOf(const Material& material) {
     MaterialPacker packer(textures);
     packer.add(material, true);
     return packer.features;
-}
-
-Material matte() {
-    Material m;
-    m.metallic = 0;
-    m.ior = 1;
-    return m;
 }
 
 TEST(Absorption, FollowsBeerLambert) {
@@ -44,17 +38,17 @@ TEST(Absorption, OfBlackIsFiniteAndTransmitsNothing) {
 }
 
 TEST(MaterialPacker, CallsForNothingThatAMatteSurfaceLacks) {
-    EXPECT_EQ(featuresOf(matte()), 0u);
+    EXPECT_EQ(featuresOf(matte(glm::vec3(1))), 0u);
 }
 
 TEST(MaterialPacker, CallsForReflectionOnlyWhereThereIsSome) {
-    Material metal = matte();
+    Material metal = matte(glm::vec3(1));
     metal.metallic = 1;
     const uint64_t rough = gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_ENERGY_COMPENSATION);
     EXPECT_EQ(featuresOf(metal), rough);
     metal.roughness = 0;
     EXPECT_EQ(featuresOf(metal), gpu::bit(gpu::FEATURE_SPECULAR) | gpu::bit(gpu::FEATURE_MIRROR));
-    Material plastic = matte();
+    Material plastic = matte(glm::vec3(1));
     plastic.ior = 1.5f;
     EXPECT_EQ(featuresOf(plastic), rough);
     plastic.specular = 0;
@@ -62,7 +56,7 @@ TEST(MaterialPacker, CallsForReflectionOnlyWhereThereIsSome) {
 }
 
 TEST(MaterialPacker, CallsForAttenuationOnlyInsideColouredSolids) {
-    Material glass = matte();
+    Material glass = matte(glm::vec3(1));
     glass.transmission = 1;
     glass.ior = 1.5f;
     glass.attenuationColor = {0.5f, 1, 1};
@@ -80,7 +74,7 @@ TEST(MaterialPacker, IgnoresMaterialsThatNothingUses) {
     MaterialPacker packer(textures);
     Material metal;
     packer.add(metal, false);
-    packer.add(matte(), true);
+    packer.add(matte(glm::vec3(1)), true);
     EXPECT_EQ(packer.features, 0u);
     EXPECT_EQ(packer.records.size(), 2u);
     EXPECT_TRUE(packer.albedoTables.empty());

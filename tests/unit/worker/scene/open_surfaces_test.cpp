@@ -21,7 +21,7 @@ namespace {
 using testing::Each;
 using testing::HasSubstr;
 
-const std::filesystem::path kShared = TILEFARM_SHARED_DATA;
+const std::filesystem::path kSharedFolder = TILEFARM_SHARED_DATA;
 
 std::vector<bool> openOf(const Mesh& mesh) {
     const Mesh* meshes[] = {&mesh};
@@ -207,7 +207,7 @@ TEST_F(OpenVolumes, AreFlatShapesToo) {
 }
 
 TEST_F(OpenVolumes, OfTheSharedCaseIsFound) {
-    const auto path = kShared / "cases/glass-open-volume/volume.gltf";
+    const auto path = kSharedFolder / "cases/glass-open-volume/volume.gltf";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared data";
     const Scene scene = loadGltf(path);
     ASSERT_EQ(scene.warnings.size(), 1u);
