@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "server/store/sqlite_connection.h"
 #include "server/store/sqlite_schema.h"
 #include "server/store/sqlite_tables.h"
 #include "shared/error/error.h"

@@ -91,6 +91,29 @@ void OldestQueued(benchmark::State& state) {  // once for each scrape of the met
 }
 BENCHMARK(OldestQueued)->Arg(1024)->Arg(262144)->Unit(benchmark::kMillisecond);
 
+// What one lease costs without the disk: everything in one transaction, which is not committed in between.
+void LeaseOfFourPasses(benchmark::State& state) {
+    Farm& farm = farmWith(1, static_cast<uint32_t>(state.range(0)));
+    farm.store.write([&](Tables& t) {
+        uint64_t epoch = t.leases.lastEpoch();
+        for ([[maybe_unused]] auto _ : state) {
+            LeaseRow lease{.epoch = ++epoch,
+                           .id = std::to_string(epoch),
+                           .worker = "w",
+                           .job = farm.first,
+                           .passes = {}};
+            lease.passes = t.passes.claim(
+                {.job = farm.first, .frame = 0, .epoch = epoch, .level = {0, 1}, .limit = 4, .worker = "w"});
+            t.leases.insert(lease);
+            t.frames.update(*t.frames.find(farm.first, 0));
+            t.jobs.update(*t.jobs.find(farm.first));
+            t.passes.release(epoch, kNow);
+            t.leases.close(epoch, LeaseState::returned);
+        }
+    });
+}
+BENCHMARK(LeaseOfFourPasses)->Arg(1024)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 }  // namespace tilefarm
 
