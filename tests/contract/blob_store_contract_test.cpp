@@ -3,10 +3,10 @@
 #include <fstream>
 
 #include "server/store/file_blob_store.h"
-#include "server/store/memory_blob_store.h"
 #include "shared/digest/digest.h"
 #include "tests/contract/backend_name.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/memory_blob_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tilefarm {

@@ -2,10 +2,10 @@
 
 #include <array>
 
-#include "server/store/memory_job_store.h"
 #include "server/store/sqlite_job_store.h"
 #include "tests/contract/backend_name.h"
 #include "tests/support/expect_error.h"
+#include "tests/support/memory_job_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tilefarm {

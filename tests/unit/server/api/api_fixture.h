@@ -7,10 +7,10 @@
 
 #include "server/api/http_server.h"
 #include "server/api/services.h"
-#include "server/store/memory_blob_store.h"
 #include "shared/digest/digest.h"
 #include "shared/image/exr.h"
 #include "shared/job/wire.h"
+#include "tests/support/memory_blob_store.h"
 #include "tests/unit/server/support/test_farm.h"
 
 namespace tilefarm {

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
-#include "server/store/memory_job_store.h"
 #include "shared/error/error.h"
+#include "tests/support/memory_job_store.h"
 #include "tests/unit/server/support/test_farm.h"
 
 namespace tilefarm {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "server/queue/scheduler.h"
-#include "server/store/memory_job_store.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fake_clock.h"
+#include "tests/support/memory_job_store.h"
 #include "tests/unit/server/support/test_farm.h"
 
 namespace tilefarm {

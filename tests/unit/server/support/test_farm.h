@@ -5,9 +5,9 @@
 #include "server/film/frame_images.h"
 #include "server/film/result_merger.h"
 #include "server/queue/scheduler.h"
-#include "server/store/memory_blob_store.h"
 #include "server/store/sqlite_job_store.h"
 #include "tests/support/fake_clock.h"
+#include "tests/support/memory_blob_store.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tilefarm {

@@ -1,4 +1,4 @@
-#include "server/store/memory_blob_store.h"
+#include "tests/support/memory_blob_store.h"
 
 #include <algorithm>
 
