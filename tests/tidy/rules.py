@@ -65,13 +65,20 @@ INCLUDE = re.compile(r'^#include "((?:shared|server|worker|shaders)/[^"]+)"', re
 
 
 def owners_of(found):
-    """Which libraries a folder holds, and which library compiles a source."""
+    """Which libraries a folder holds, and which library or program compiles a source."""
     by_folder, by_source = {}, {}
     for library in found.values():
-        by_folder.setdefault(str(library.folder), []).append(library)
+        if not library.program:
+            by_folder.setdefault(str(library.folder), []).append(library)
         for source in library.sources:
             by_source[str(library.folder / source)] = library
     return by_folder, by_source
+
+
+def owning(path, by_folder, by_source):
+    """A header belongs to the library that compiles the source beside it, else to all of its folder."""
+    compiled = by_source.get(str(path.with_suffix(".cpp")))
+    return [compiled] if compiled else by_folder.get(str(path.parent), [])
 
 
 def used_outside(texts):
@@ -83,23 +90,20 @@ def used_outside(texts):
 def include(path, text, found, public_headers):
     """A file includes what its library links: a header that other folders include in public, the rest also in private."""
     by_folder, by_source = owners_of(found)
-    folder = str(path.parent)
-    # A header belongs to the library that compiles the source beside it.
-    compiled = by_source.get(str(path.with_suffix(".cpp")))
-    own = [compiled] if compiled else by_folder.get(folder, [])
+    own = owning(path, by_folder, by_source)
     if not own:
         return
-    linked = set()
+    linked = {library.name for library in own}
     for library in own:
         linked |= sources.reached(found, [library.name])
         if str(path) not in public_headers:
             linked |= sources.reached(found, library.private_links)
-    allowed = {str(found[name].folder) for name in linked} | {folder}
     for match in INCLUDE.finditer(text):
-        target = match.group(1).rsplit("/", 1)[0]
-        if target in by_folder and target not in allowed:
+        wanted = {library.name for library in owning(path.__class__(match.group(1)), by_folder, by_source)}
+        if wanted and not wanted & linked:
             number = text.count("\n", 0, match.start()) + 1
-            yield f"{path}:{number}: includes {match.group(1)}, but {own[0].name} does not link {target}"
+            yield (f"{path}:{number}: includes {match.group(1)}, but {own[0].name} does not link "
+                   f"{' or '.join(sorted(wanted))}")
 
 
 def sides(path, text):

@@ -16,20 +16,25 @@ def tracked(root=ROOT):
 
 
 class Library:
-    """One tilefarm_library() call: its folder, and what it links in public and in private."""
+    """A tilefarm_library(), or an add_executable(): its folder, and what it links in public and in private."""
 
-    def __init__(self, name, folder, sources, links, private_links):
+    def __init__(self, name, folder, sources, links, private_links, program=False):
         self.name, self.folder, self.sources = name, folder, sources
-        self.links, self.private_links = links, private_links
+        self.links, self.private_links, self.program = links, private_links, program
 
 
 CALL = re.compile(r"^\s*tilefarm_library\((\w+)([^)]*)\)", re.MULTILINE)
+PROGRAM = re.compile(r"^\s*add_executable\(([\w-]+)([^)]*)\)", re.MULTILINE)
+PROGRAM_LINKS = re.compile(r"^\s*target_link_libraries\(([\w-]+) PRIVATE([^)]*)\)", re.MULTILINE)
 KEYWORDS = {"SOURCES", "LINKS", "PRIVATE_LINKS"}
 
 
 def libraries_in(folder, text):
-    """The libraries that one CMakeLists.txt defines."""
+    """The libraries and programs that one CMakeLists.txt defines."""
     text = re.sub(r"#.*", "", text)
+    links = {name: arguments.split() for name, arguments in PROGRAM_LINKS.findall(text)}
+    for name, arguments in PROGRAM.findall(text):
+        yield Library(name, folder, arguments.split(), [], links.get(name, []), program=True)
     for name, arguments in CALL.findall(text):
         lists, current = {keyword: [] for keyword in KEYWORDS}, None
         for word in arguments.split():

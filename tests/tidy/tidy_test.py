@@ -129,8 +129,21 @@ class Rules(unittest.TestCase):
         self.assertEqual([], list(rules.include(folder("shared/b/b.h"), text, found, {"shared/b/b.h"})))
         self.assertEqual([], list(rules.include(folder("shared/c/c.cpp"), text, found, {"shared/c/c.h"})))
         self.assertEqual([], list(rules.include(folder("shared/c/private.h"), text, found, {"shared/c/c.h"})))
-        self.one(rules.include(folder("shared/c/c.h"), text, found, {"shared/c/c.h"}), "c does not link shared/a")
+        self.one(rules.include(folder("shared/c/c.h"), text, found, {"shared/c/c.h"}), "c does not link a")
         self.one(rules.include(folder("shared/a/a.cpp"), '\n#include "shared/b/b.h"\n', found, set()), "shared/a/a.cpp:2")
+
+    def test_include_within_a_folder_of_several_libraries(self):
+        folder = pathlib.PurePosixPath
+        found = {library.name: library for library in sources.libraries_in(folder("worker/a"), """
+            tilefarm_library(agent SOURCES agent.cpp)
+            tilefarm_library(http SOURCES http.cpp LINKS agent)
+            add_executable(a-worker main.cpp)
+            target_link_libraries(a-worker PRIVATE agent fmt::fmt)""")}
+        agent, http = '#include "worker/a/agent.h"\n', '#include "worker/a/http.h"\n'
+        self.assertEqual([], list(rules.include(folder("worker/a/http.cpp"), agent + http, found, set())))
+        self.one(rules.include(folder("worker/a/agent.cpp"), agent + http, found, set()), "agent does not link http")
+        self.one(rules.include(folder("worker/a/main.cpp"), agent + http, found, set()), "a-worker does not link http")
+        self.assertEqual([], list(rules.include(folder("worker/a/agent.cpp"), '#include "worker/a/plain.h"\n', found, set())))
 
     def test_sides(self):
         path = pathlib.PurePosixPath
