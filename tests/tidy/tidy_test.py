@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import unittest
 
+import rebuild_counts
 import rules
 import sources
 
@@ -144,6 +145,13 @@ class Rules(unittest.TestCase):
         self.one(rules.include(folder("worker/a/agent.cpp"), agent + http, found, set()), "agent does not link http")
         self.one(rules.include(folder("worker/a/main.cpp"), agent + http, found, set()), "a-worker does not link http")
         self.assertEqual([], list(rules.include(folder("worker/a/agent.cpp"), '#include "worker/a/plain.h"\n', found, set())))
+
+    def test_rebuild_counts(self):
+        texts = {"shared/a.h": '#include "shared/b.h"\n', "shared/b.h": '#include "shared/a.h"\n#include "made.h"\n',
+                 "shared/a.cpp": '#include "shared/a.h"\n', "shared/c.cpp": "#include <vector>\n",
+                 "tests/b_test.cpp": '#include "shared/b.h"\n'}
+        self.assertEqual(["shared/a.cpp", "tests/b_test.cpp"], rebuild_counts.rebuilt(texts, "shared/b.h"))
+        self.assertEqual([("shared/b.h", 1, 1), ("all units", 2, 1)], list(rebuild_counts.rows(texts, ["shared/b.h"])))
 
     def test_sides(self):
         path = pathlib.PurePosixPath
