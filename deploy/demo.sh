@@ -7,7 +7,7 @@
 # By environment variable, with the defaults for the demo scene:
 #     TILEFARM_DEMO_WIDTH=960  TILEFARM_DEMO_HEIGHT=540   pixels
 #     TILEFARM_DEMO_SAMPLES=128                           per pixel
-#     TILEFARM_DEMO_BOUNCES=8                             surface scatterings of a path
+#     TILEFARM_DEMO_BOUNCES=8                             bounces of a path
 #     TILEFARM_DEMO_EXPOSURE=0.15                         stops, of the PNG only; 0 for other scenes
 #     TILEFARM_DEMO_TONE=pbrNeutral                       linear, aces or pbrNeutral, of the PNG only
 #     TILEFARM_DEMO_WORKERS=2

@@ -47,26 +47,27 @@ ServerConfig parseCommandLine(int argc, char** argv) {
     uint64_t floorMiB = config.api.leastFreeBytes >> 20;
     bool insecure = false;
 
-    CLI::App app("Tilefarm's server: takes jobs, hands their tiles to workers, merges what they render.");
+    CLI::App app("Tilefarm's server: accepts jobs, hands out their tiles to workers and merges the results.");
     app.set_version_flag("--version", TILEFARM_VERSION);
     app.add_option("--data", config.data, "Folder of the database, scene files and images")->required();
-    app.add_option("--listen", listen, "HOST:PORT; port 0 takes a free one")->capture_default_str();
+    app.add_option("--listen", listen, "Address to listen on, HOST:PORT; port 0: any free port")
+        ->capture_default_str();
     app.add_option("--token-file", tokenFile,
-                   "Clients must send the first line of this file as bearer token");
-    app.add_option("--lease-seconds", leaseSeconds,
-                   "Time after which the work of a silent worker goes to another")
+                   "File whose first line is the bearer token that workers and clients must send");
+    app.add_option(
+           "--lease-seconds", leaseSeconds,
+           "Lease time: seconds after which the work of a worker that does not renew is given to another")
         ->capture_default_str()
         ->check(CLI::Range(0.2, 3600.0));
     app.add_option("--set-aside-after", config.queue.deathsThatSetAside,
-                   "A job is paused, with a reason, after so many deaths of workers that held the same pass; "
-                   "0: never")
+                   "Pause a job after this many workers died while rendering the same pass; 0: never")
         ->capture_default_str()
         ->check(CLI::Range(0, 1000));
     app.add_option("--disk-floor-mib", floorMiB,
-                   "Uploads and jobs are refused (507) below so much free space")
+                   "Refuse uploads and jobs (HTTP 507) below this much free disk space, MiB")
         ->capture_default_str();
-    app.add_flag("--insecure", insecure, "Allow other machines in without a token");
-    app.add_flag("--verbose", config.verbose, "Log more");
+    app.add_flag("--insecure", insecure, "Accept requests from other machines without a token");
+    app.add_flag("--verbose", config.verbose, "Also log debug messages");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& fault) {
@@ -78,7 +79,7 @@ ServerConfig parseCommandLine(int argc, char** argv) {
     if (!isLoopback(config.http.host) && config.api.token.empty() && !insecure) {
         throw Error(
             ErrorCode::invalidArgument,
-            "--listen " + listen + " lets other machines in: give --token-file, or --insecure to allow it");
+            "--listen " + listen + " accepts other machines: give --token-file, or --insecure to do without");
     }
     config.queue.leaseTime = Milliseconds(static_cast<int64_t>(leaseSeconds * 1000));
     config.api.leastFreeBytes = floorMiB << 20;

@@ -56,13 +56,14 @@ void addAgentOptions(CLI::App& app, AgentConfig& agent, Words& words) {
     app.add_option("--server", agent.server, "URL of the server, like http://host:8700");
     addDevice(app, words,
               "number of a device as 'tilefarm-worker devices' lists it, or 'all': every GPU "
-              "(the software device where there is none); by default the best one");
-    app.add_option("--token-file", words.tokenFile, "file with the server's token in its first line");
-    app.add_option("--cache-limit", words.cacheGb, "GB of scene files to keep")
+              "(the CPU if there is none); default: the first GPU, else the CPU");
+    app.add_option("--token-file", words.tokenFile, "file whose first line is the server's token");
+    app.add_option("--cache-limit", words.cacheGb,
+                   "largest size of the cached scene files, GB; the oldest are deleted first")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1e6));
-    app.add_option("--name", agent.name, "what the farm calls this worker; by default the host's name");
-    app.add_option("--want-seconds", agent.wantSeconds, "seconds of work to ask for at a time")
+    app.add_option("--name", agent.name, "name of this worker in lists; default: the host name");
+    app.add_option("--want-seconds", agent.wantSeconds, "seconds of work to request per lease")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 600.0));
 }
@@ -70,25 +71,30 @@ void addAgentOptions(CLI::App& app, AgentConfig& agent, Words& words) {
 void addRenderOptions(CLI::App& app, RenderConfig& config, Words& words) {
     app.add_option("scene", config.render.files.entry, ".gltf or .glb")->required();
     CLI::Option* output = app.add_option("-o,--output", config.render.exr, "EXR file to write");
-    CLI::Option* pixel = app.add_option("--pixel", words.pixel,
-                                        "X,Y: show one sample of this pixel step by step; write nothing")
-                             ->delimiter(',')
-                             ->expected(2)
-                             ->excludes(output);
-    app.add_option("--sample", words.sample, "index of that sample")->capture_default_str()->needs(pixel);
+    CLI::Option* pixel =
+        app.add_option("--pixel", words.pixel,
+                       "X,Y: print the path of one sample of this pixel bounce by bounce; writes no file")
+            ->delimiter(',')
+            ->expected(2)
+            ->excludes(output);
+    app.add_option("--sample", words.sample, "index of the sample that --pixel prints")
+        ->capture_default_str()
+        ->needs(pixel);
     app.add_option("--png", config.render.png, "PNG file to write as well");
-    app.add_option("--report", config.render.report, "JSON file for what was measured");
+    app.add_option("--report", config.render.report, "JSON file to write: time, error, features, warnings");
     app.add_option("--environment", config.render.files.environment,
-                   "a picture of all directions: .hdr, .exr, .png or .jpg");
+                   "environment map: .hdr, .exr, .png or .jpg, equirectangular or an .exr cube map");
     addPictureOptions(app, config.render.spec);
     app.add_option("--frame,--frames", words.frames,
-                   "frames and ranges: 7, 1-48, 1-100x10 (every tenth), 1,5,9; of several, ### in a file's "
-                   "name is the frame's number")
+                   "frame numbers and ranges: 7, 1-48, 1-100x10 (every tenth), 1,5,9; with several, ### in a "
+                   "file name becomes the frame number")
         ->capture_default_str();
-    app.add_option("--exposure", config.render.tone.exposure, "stops, for the PNG")->capture_default_str();
-    app.add_option("--tone", words.tone, "linear, aces or pbrNeutral, for the PNG")->capture_default_str();
+    app.add_option("--exposure", config.render.tone.exposure, "exposure of the PNG, stops")
+        ->capture_default_str();
+    app.add_option("--tone", words.tone, "tone curve of the PNG: linear, aces or pbrNeutral")
+        ->capture_default_str();
     addDevice(app, words, "number of a device as 'tilefarm-worker devices' lists it");
-    app.add_flag("--validation", config.validation, "with Vulkan's validation layers");
+    app.add_flag("--validation", config.validation, "enable Vulkan's validation layers");
 }
 
 AgentConfig finished(AgentConfig agent, const Words& words) {
@@ -135,15 +141,18 @@ std::variant<WorkerConfig, ExitNow> parseCommandLine(int argc, const char* const
     Words words;
     config.cache = defaultCache();
 
-    CLI::App app("Tilefarm's worker: renders for a server, or right here.", "tilefarm-worker");
+    CLI::App app("Tilefarm's worker: renders for a server, or (render) a scene of this machine.",
+                 "tilefarm-worker");
     app.set_version_flag("--version", TILEFARM_VERSION);
     app.require_subcommand(0, 1);
     app.fallthrough();
-    app.add_option("--cache", config.cache, "folder for scene files, compiled kernels and waiting results")
+    app.add_option("--cache", config.cache,
+                   "folder for scene files, compiled kernels and results not uploaded yet")
         ->capture_default_str();
-    app.add_flag("--verbose", config.verbose, "log more");
+    app.add_flag("--verbose", config.verbose, "also log debug messages");
     addAgentOptions(app, agent, words);
-    CLI::App* renderCommand = app.add_subcommand("render", "Renders a scene from this disk, with no server");
+    CLI::App* renderCommand =
+        app.add_subcommand("render", "Renders a scene of this machine without a server");
     addRenderOptions(*renderCommand, render, words);
     CLI::App* devicesCommand = app.add_subcommand("devices", "Lists the Vulkan devices of this machine");
     devicesCommand->add_flag("--json", devices.json, "as JSON");

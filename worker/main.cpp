@@ -40,7 +40,7 @@ public:
         std::thread([set, &stop] {
             int signal = 0;
             sigwait(&set, &signal);
-            spdlog::info("stopping after the call in work; once more to stop at once");
+            spdlog::info("stopping after the passes being rendered; repeat the signal to stop at once");
             stop.stop();
             sigwait(&set, &signal);
             _exit(128 + signal);

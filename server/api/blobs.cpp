@@ -15,7 +15,7 @@ void Services::requireDiskSpace(uint64_t bytes) const {
     const uint64_t free = freeBytes(config.folder);
     if (free >= config.leastFreeBytes + bytes) return;
     throw Error(ErrorCode::outOfSpace, "the server's disk has " + std::to_string(free >> 20) +
-                                           " MiB free, the floor is " +
+                                           " MiB free; uploads and jobs need at least " +
                                            std::to_string(config.leastFreeBytes >> 20) + " MiB");
 }
 
@@ -56,7 +56,7 @@ HttpResponse missingBlobs(Services& s, HttpRequest& r) {
         }
     }
     if (!faults.empty())
-        throw Error(ErrorCode::invalidArgument, "not every digest is one", std::move(faults));
+        throw Error(ErrorCode::invalidArgument, "some entries are not SHA-256 digests", std::move(faults));
     return jsonResponse(200, dump({{"missing", missing}}));
 }
 

@@ -81,7 +81,7 @@ void sendContent(httplib::Response& out, const std::string& type, HttpResponse::
             try {
                 content.read(offset, *buffer);
             } catch (const std::exception& fault) {  // the head is out: all that is left is to hang up
-                spdlog::error("while sending: {}", fault.what());
+                spdlog::error("sending a response failed: {}", fault.what());
                 return false;
             }
             return sink.write(reinterpret_cast<const char*>(buffer->data()), buffer->size());
@@ -96,7 +96,7 @@ void sendStream(httplib::Response& out, const std::string& type, HttpResponse::S
             if (!next(write)) sink.done();
             return true;
         } catch (const std::exception& fault) {
-            spdlog::error("while streaming: {}", fault.what());
+            spdlog::error("streaming a response failed: {}", fault.what());
             return false;
         }
     });

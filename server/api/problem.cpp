@@ -8,7 +8,7 @@ namespace {
 std::string_view titleOf(int status) {
     switch (status) {
         case 400: return "Bad input";
-        case 401: return "Credentials needed";
+        case 401: return "Authentication needed";
         case 403: return "Not allowed";
         case 404: return "Not found";
         case 405: return "Method not allowed";
@@ -17,12 +17,12 @@ std::string_view titleOf(int status) {
         case 413: return "Too large";
         case 414: return "Path too long";
         case 416: return "Range not satisfiable";
-        case 422: return "Cannot be used";
-        case 426: return "Version refused";
-        case 429: return "Asked too often";
+        case 422: return "Cannot be processed";
+        case 426: return "Version mismatch";
+        case 429: return "Too many requests";
         case 503: return "Try again later";
-        case 507: return "Disk is low";
-        default: return status < 500 ? "Refused" : "Internal fault";
+        case 507: return "Disk space low";
+        default: return status < 500 ? "Refused" : "Internal error";
     }
 }
 

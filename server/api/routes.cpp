@@ -77,7 +77,7 @@ void requireToken(const Services& services, const HttpRequest& request) {
     const std::string given = request.header("Authorization"), wanted = "Bearer " + token;
     const bool right =
         given.size() == wanted.size() && CRYPTO_memcmp(given.data(), wanted.data(), wanted.size()) == 0;
-    if (!right) throw Error(ErrorCode::unauthorized, "this server asks for its bearer token");
+    if (!right) throw Error(ErrorCode::unauthorized, "the bearer token is missing or wrong");
 }
 
 HttpResponse route(Services& services, HttpRequest& request) {
@@ -93,8 +93,8 @@ HttpResponse route(Services& services, HttpRequest& request) {
         return candidate.handle(services, request);
     }
     requireToken(services, request);
-    if (allowed.empty()) throw Error(ErrorCode::notFound, "there is nothing at " + request.path);
-    auto response = problemResponse(405, request.path + " has no " + request.method);
+    if (allowed.empty()) throw Error(ErrorCode::notFound, "there is no resource " + request.path);
+    auto response = problemResponse(405, request.method + " is not allowed on " + request.path);
     std::string list;
     for (const std::string& word : allowed) list += (list.empty() ? "" : ", ") + word;
     response.headers.emplace("Allow", list);

@@ -42,7 +42,7 @@ std::string tokenOf(const Arguments& arguments) {
     std::string token;
     if (!(file >> token))
         throw Error(ErrorCode::invalidArgument,
-                    fmt::format("there is no token in '{}'", arguments.tokenFile));
+                    fmt::format("--token-file '{}' cannot be read or is empty", arguments.tokenFile));
     return token;
 }
 
@@ -76,7 +76,7 @@ std::optional<int32_t> frameOf(const Arguments& arguments) {
 }
 
 void addTone(CLI::App& command, Arguments& a) {
-    command.add_option("--exposure", a.exposure, "stops, for the PNG")->capture_default_str();
+    command.add_option("--exposure", a.exposure, "exposure of the PNG, stops")->capture_default_str();
     command.add_option("--tone", a.tone, "tone curve of the PNG: linear, aces or pbrNeutral")
         ->capture_default_str()
         ->check(CLI::IsMember({"linear", "aces", "pbrNeutral"}));
@@ -84,7 +84,7 @@ void addTone(CLI::App& command, Arguments& a) {
 
 void addDenoised(CLI::App& command, Arguments& a) {
     command.add_flag("--denoised", a.denoised,
-                     "PNGs show the picture without its noise, of jobs with output.denoise; biased");
+                     "PNGs show the denoised picture, which is biased; for jobs with output.denoise");
 }
 
 using Run = std::function<int()>;
@@ -105,7 +105,8 @@ public:
         app_.add_option("--server", a_.server, "URL of the server")
             ->envname("TILEFARM_SERVER")
             ->capture_default_str();
-        app_.add_option("--token-file", a_.tokenFile, "file with the server's token; else TILEFARM_TOKEN");
+        app_.add_option("--token-file", a_.tokenFile,
+                        "file with the server's token; default: the variable TILEFARM_TOKEN");
         addSubmit();
         addLooks();
         addMoves();
@@ -137,7 +138,7 @@ private:
     }
 
     void addSubmit() {
-        CLI::App& c = command("submit", "send a scene to be rendered and print the job's id",
+        CLI::App& c = command("submit", "upload a scene, submit a job and print its id",
                               online([this](FarmClient& farm) {
                                   a_.submit.pictures.tone = toneOf(a_);
                                   a_.submit.pictures.denoised = a_.denoised;
@@ -145,12 +146,13 @@ private:
                               }));
         c.add_option("scene", a_.submit.scene, "a .gltf or .glb")->required();
         c.add_option("--environment", a_.submit.environment,
-                     "a picture of all directions: .hdr, .exr, .png or .jpg");
+                     "environment map: .hdr, .exr, .png or .jpg, equirectangular or an .exr cube map");
         addJobOptions(c, a_.submit.spec);
-        c.add_flag("--wait", a_.submit.wait, "follow the job until it ends");
+        c.add_flag("--wait", a_.submit.wait,
+                   "show the job's progress until it ends; exit with 1 unless it completed");
         c.add_option("-o,--output", a_.submit.pictures.exr,
-                     "wait and write the EXR here; ### is the frame's number");
-        c.add_option("--png", a_.submit.pictures.png, "wait and write a PNG here");
+                     "wait, then write the EXR to this file; ### becomes the frame number");
+        c.add_option("--png", a_.submit.pictures.png, "wait, then write a PNG to this file");
         addTone(c, a_);
         addDenoised(c, a_);
     }
@@ -159,15 +161,16 @@ private:
         CLI::App& jobs =
             command("jobs", "list the jobs",
                     online([this](FarmClient& farm) { return showJobs(farm, a_.state, a_.json, console_); }));
-        jobs.add_option("--state", a_.state, "only those in this state");
+        jobs.add_option("--state", a_.state,
+                        "only jobs in this state: queued, running, paused, completed, failed or canceled");
         jobs.add_flag("--json", a_.json, "as JSON");
         CLI::App& job =
-            command("job", "show one job",
+            command("job", "show one job: progress, error against device time, errors",
                     online([this](FarmClient& farm) { return showJob(farm, a_.job, a_.json, console_); }));
         job.add_option("id", a_.job, "the job")->required();
         job.add_flag("--json", a_.json, "as JSON");
         CLI::App& wait =
-            command("wait", "follow a job until it ends",
+            command("wait", "show a job's progress until it ends; exit with 1 unless it completed",
                     online([this](FarmClient& farm) { return waitForJob(farm, a_.job, console_); }));
         wait.add_option("id", a_.job, "the job")->required();
         CLI::App& workers =
@@ -178,9 +181,10 @@ private:
 
     void addMoves() {
         for (const auto& [name, meaning, move] :
-             {std::tuple{"cancel", "end a job; what is rendered so far stays", Move::cancel},
-              {"pause", "hand out no more of a job", Move::pause},
-              {"resume", "go on with a paused job", Move::resume}}) {
+             {std::tuple{"cancel", "end a job; the picture rendered so far can still be downloaded",
+                         Move::cancel},
+              {"pause", "hand out no more work of a job until it is resumed", Move::pause},
+              {"resume", "continue a paused job", Move::resume}}) {
             const Move to = move;
             command(name, meaning,
                     online([this, to](FarmClient& farm) { return moveJob(farm, a_.job, to, console_); }))
@@ -190,65 +194,70 @@ private:
     }
 
     void addDownload() {
-        CLI::App& c = command(
-            "download", "get a frame's picture, also while it renders", online([this](FarmClient& farm) {
-                const bool zip = hasSuffix(a_.output.string(), ".zip");
-                if (!zip) pictureFor(a_);  // refuses other suffixes
-                if (zip && a_.frames.empty()) a_.frames = "all";
-                if (!a_.frames.empty())
-                    return downloadFrames(farm, a_.job, a_.frames, a_.output, looksOf(a_), console_);
-                return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
-            }));
+        CLI::App& c =
+            command("download", "download a frame's picture, also while it is being rendered",
+                    online([this](FarmClient& farm) {
+                        const bool zip = hasSuffix(a_.output.string(), ".zip");
+                        if (!zip) pictureFor(a_);  // refuses other suffixes
+                        if (zip && a_.frames.empty()) a_.frames = "all";
+                        if (!a_.frames.empty())
+                            return downloadFrames(farm, a_.job, a_.frames, a_.output, looksOf(a_), console_);
+                        return download(farm, a_.job, frameOf(a_), pictureFor(a_), console_);
+                    }));
         c.add_option("id", a_.job, "the job")->required();
-        CLI::Option* frame = c.add_option("--frame", a_.frame, "number of the frame; else the first");
-        c.add_option(
-             "--frames", a_.frames,
-             "several: all, 1-48, 1-100x10 (every tenth), 1,5,9; ### in the file's name is the number")
+        CLI::Option* frame =
+            c.add_option("--frame", a_.frame, "frame number; default: the job's first frame");
+        c.add_option("--frames", a_.frames,
+                     "several frames: all, 1-48, 1-100x10 (every tenth), 1,5,9; ### in the file name becomes "
+                     "the number")
             ->excludes(frame);
         c.add_option("-o,--output", a_.output, "a file that ends with .exr or .png, or a .zip of EXRs")
             ->required();
         addTone(c, a_);
         addDenoised(c, a_);
-        CLI::App& movie =
-            command("movie", "make a movie of a job's frames, with ffmpeg", online([this](FarmClient& farm) {
-                        return makeMovie(farm, a_.job, a_.output, a_.fps, looksOf(a_), console_);
-                    }));
+        CLI::App& movie = command(
+            "movie", "encode a job's frames as a movie, with ffmpeg", online([this](FarmClient& farm) {
+                return makeMovie(farm, a_.job, a_.output, a_.fps, looksOf(a_), console_);
+            }));
         movie.add_option("id", a_.job, "the job")->required();
         movie.add_option("-o,--output", a_.output, "a file that ends with .mp4, .webm, .gif, …")->required();
-        movie.add_option("--fps", a_.fps, "frames a second; else the job's own")
+        movie.add_option("--fps", a_.fps, "frames per second; default: the job's motion.fps")
             ->check(CLI::Range(0.001, 1000.0));
         addTone(movie, a_);
         addDenoised(movie, a_);
     }
 
     void addImageTools() {
-        CLI::App& compareCommand = command("compare", "tell how far an EXR is from a reference",
-                                           [this] { return compare(a_.compare, console_); });
-        compareCommand.add_option("a", a_.compare.a, "an EXR")->required();
-        compareCommand.add_option("b", a_.compare.b, "the reference")->required();
+        CLI::App& compareCommand = command(
+            "compare", "measure the difference of an EXR from a reference: RMSE, relMSE, largest, mean",
+            [this] { return compare(a_.compare, console_); });
+        compareCommand.add_option("a", a_.compare.a, "the EXR to measure")->required();
+        compareCommand.add_option("b", a_.compare.b, "the reference EXR")->required();
         compareCommand.add_flag("--json", a_.compare.json, "as JSON");
         compareCommand.add_flag("--identical", a_.compare.identical,
-                                "fail unless every channel has the same bits");
-        compareCommand.add_option("--max-relmse", a_.compare.maxRelMse, "fail above this");
+                                "exit with 1 unless all channels are bit-identical");
+        compareCommand.add_option("--max-relmse", a_.compare.maxRelMse,
+                                  "exit with 1 if relMSE is above this");
 
-        CLI::App& png = command("png", "show an EXR as a PNG", [this] {
+        CLI::App& png = command("png", "convert an EXR to a PNG", [this] {
             return convertToPng(a_.input, a_.output, a_.channel, toneOf(a_), console_);
         });
-        png.add_option("exr", a_.input, "an EXR")->required();
+        png.add_option("exr", a_.input, "the EXR")->required();
         png.add_option("-o,--output", a_.output, "the PNG")->required();
         png.add_option(
             "--channel", a_.channel,
-            "a layer (denoised, albedo, normal, variance) or channel (Z, samples) instead of the picture");
+            "show a layer (denoised, albedo, normal, variance) or channel (Z, samples) in place of R, G, B");
         addTone(png, a_);
 
         CLI::App& denoised = command(
-            "denoise", "add the picture without its noise to an EXR, beside the raw one; it is biased",
+            "denoise",
+            "denoise a frame's EXR: adds biased channels denoised.R, .G and .B beside the raw picture",
             [this] { return denoiseFile(a_.input, a_.output, a_.wrap, console_); });
-        denoised.add_option("in", a_.input, "an EXR of a frame")->required();
-        denoised
-            .add_option("out", a_.output, "the EXR with channels denoised.R, denoised.G, denoised.B as well")
-            ->required();
-        denoised.add_flag("--wrap", a_.wrap, "left and right edge meet; of itself where the file says so");
+        denoised.add_option("in", a_.input, "the EXR of a frame")->required();
+        denoised.add_option("out", a_.output, "the EXR to write")->required();
+        denoised.add_flag(
+            "--wrap", a_.wrap,
+            "the left and right edges are adjacent, as in a panorama; automatic for Tilefarm's panoramas");
     }
 
     const Console& console_;
@@ -278,7 +287,7 @@ int runCli(const std::vector<std::string>& words, const Console& console) {
         return report(error, console);
     } catch (const nlohmann::json::exception& e) {
         return report(
-            Error(ErrorCode::internal, fmt::format("the server's answer is not as agreed: {}", e.what())),
+            Error(ErrorCode::internal, fmt::format("unexpected answer of the server: {}", e.what())),
             console);
     } catch (const std::exception& e) {
         return report(Error(ErrorCode::internal, e.what()), console);

@@ -92,7 +92,7 @@ void printJob(const json& view, std::ostream& out) {
         printTable(rows, out);
     }
     for (const json& fault : view.value("faults", json::array()))
-        out << "  fault: " << printable(fault.is_string() ? fault.get<std::string>() : fault.dump()) << '\n';
+        out << "  error: " << printable(fault.is_string() ? fault.get<std::string>() : fault.dump()) << '\n';
     for (const json& notice : view.value("notices", json::array()))
         out << "  note: " << printable(notice.get<std::string>()) << '\n';
 }

@@ -25,12 +25,13 @@ void requireOfLease(const ResultTarget& target, const std::vector<PassFilm>& fil
         const bool ofLease = wanted.erase({film.tile, film.samples.first}) == 1 &&
                              *target.job->level(film.samples.first) == film.samples;
         if (!ofLease)
-            throw Error(ErrorCode::unprocessable, nameOf(film) + " is not of this lease, or comes twice");
+            throw Error(ErrorCode::unprocessable,
+                        nameOf(film) + " is not one of this lease's passes, or occurs twice");
         if (film.rect != target.job->grid.rect(film.tile)) {
             throw Error(ErrorCode::unprocessable, nameOf(film) + " does not cover its tile");
         }
         if (film.layout != layout)
-            throw Error(ErrorCode::unprocessable, nameOf(film) + " has the further channels " +
+            throw Error(ErrorCode::unprocessable, nameOf(film) + " has the additional channels " +
                                                       film.layout.text() + ", but the job's are " +
                                                       layout.text());
     }

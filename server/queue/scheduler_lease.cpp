@@ -197,7 +197,7 @@ void Scheduler::explainLost(const std::string& leaseId, uint64_t epoch) {
         throw Error(ErrorCode::gone, "job '" + job->id + "' was canceled");
     }
     throw Error(ErrorCode::conflict,
-                lease->epoch != epoch ? "lease '" + leaseId + "' has another epoch"
+                lease->epoch != epoch ? "lease '" + leaseId + "' has a different epoch"
                                       : "lease '" + leaseId + "' is " + std::string(toString(lease->state)));
 }
 
@@ -284,7 +284,7 @@ void Scheduler::quarantineIfAlone(Tables& t, const std::string& worker) {
     const size_t jobs = t.leases.jobsOnlyThisWorkerFailed(worker);
     if (row == nullptr || row->state == WorkerState::quarantined || jobs < config_.quarantineJobs) return;
     row->state = WorkerState::quarantined;
-    row->reason = "failed on " + std::to_string(jobs) + " jobs that others could render";
+    row->reason = "failed on " + std::to_string(jobs) + " jobs that other workers could render";
     t.workers.put(*row);
     note(t, {}, "worker", workerJson(*row));
 }

@@ -46,7 +46,7 @@ ResultTarget Scheduler::resultTarget(const std::string& leaseId, uint64_t epoch)
         const auto lease = t.leases.find(leaseId);
         if (!lease) throw Error(ErrorCode::notFound, "there is no lease '" + leaseId + "'");
         if (lease->epoch != epoch)
-            throw Error(ErrorCode::conflict, "lease '" + leaseId + "' has another epoch");
+            throw Error(ErrorCode::conflict, "lease '" + leaseId + "' has a different epoch");
         const JobRow job = *t.jobs.find(lease->job);
         requireWanted(job);
         target = {*lease, catalog_.get(job)};

@@ -43,13 +43,13 @@ std::vector<std::string> faultsOf(const JobRow& job) {
     if (!job.setAside.empty()) faults.push_back(job.setAside);
     if (const uint64_t dropped = droppedOf(job))
         faults.push_back(
-            fmt::format("{} NaN or infinite and left out; see numerics.samples",
+            fmt::format("{} NaN or infinite and dropped; numerics.samples names them",
                         dropped == 1 ? "1 sample was" : fmt::format("{} samples were", dropped)));
     if (const uint64_t rejected = job.rejectedPaths)
-        faults.push_back(
-            fmt::format("{} ended on a direction without probability or inside of more nested solids than a "
-                        "path can hold: their light is missing",
-                        rejected == 1 ? "1 path" : fmt::format("{} paths", rejected)));
+        faults.push_back(fmt::format(
+            "{} rejected (a sampled direction of probability 0, or too many nested solids): their light "
+            "is missing",
+            rejected == 1 ? "1 path was" : fmt::format("{} paths were", rejected)));
     return faults;
 }
 

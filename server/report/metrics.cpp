@@ -31,18 +31,17 @@ struct Metrics::Impl {
         counter("tilefarm_result_passes_total", "Passes of results", {{"outcome", "already_merged"}});
     Counter& dropped =
         counter("tilefarm_dropped_samples_total", "Samples in results that were NaN or infinite");
-    Counter& rejected =
-        counter("tilefarm_rejected_paths_total",
-                "Paths in results that ended on a direction without probability or in more nested solids than a path holds");
-    Counter& truncated =
-        counter("tilefarm_truncated_paths_total",
-                "Paths in results that still carried light where the bounce limit ended them");
+    Counter& rejected = counter("tilefarm_rejected_paths_total",
+                                "Paths in results that were rejected: a sampled direction of probability 0, "
+                                "or too many nested solids");
+    Counter& truncated = counter("tilefarm_truncated_paths_total",
+                                 "Paths in results that maxBounces ended while their throughput was above 0");
     Counter& clamped = counter("tilefarm_clamped_samples_total",
-                               "Samples in results that settings.clampDirect or clampIndirect bounded");
+                               "Samples in results that settings.clampDirect or clampIndirect clamped");
     Counter& failures = counter("tilefarm_failures_total", "Render errors that workers reported");
     Counter& violations = counter("tilefarm_sweep_violations_total", "Broken invariants that sweeps found");
-    Gauge& openLeases = gauge("tilefarm_open_leases", "Leases on loan");
-    Gauge& oldestQueued = gauge("tilefarm_oldest_queued_seconds", "Age of the oldest pass or job that waits");
+    Gauge& openLeases = gauge("tilefarm_open_leases", "Leases that workers hold");
+    Gauge& oldestQueued = gauge("tilefarm_oldest_queued_seconds", "Age of the oldest queued pass or job");
     Gauge& events = gauge("tilefarm_events", "Number of the newest event");
     prometheus::Family<Gauge>& passes = passFamily();
     prometheus::Family<Gauge>& jobs =

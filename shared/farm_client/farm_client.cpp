@@ -140,17 +140,15 @@ struct FarmClient::Impl {
         return post;
     }
 
-    /// Reads an answer with `read`; one that is not as agreed is the server's fault, not the caller's.
+    /// Reads an answer with `read`; an unexpected one is the server's error, not the caller's.
     template <typename Read>
     auto understood(const httplib::Response& answer, Read&& read) {
         try {
             return read(parseJson(answer.body));
         } catch (const Error& e) {
-            throw Error(ErrorCode::internal,
-                        fmt::format("{} sent an answer that is not as agreed: {}", url, e.what()));
+            throw Error(ErrorCode::internal, fmt::format("{} sent an unexpected answer: {}", url, e.what()));
         } catch (const json::exception& e) {
-            throw Error(ErrorCode::internal,
-                        fmt::format("{} sent an answer that is not as agreed: {}", url, e.what()));
+            throw Error(ErrorCode::internal, fmt::format("{} sent an unexpected answer: {}", url, e.what()));
         }
     }
 

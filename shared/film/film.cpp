@@ -57,7 +57,7 @@ const char* pairsFaultOf(std::span<const float> pairs, float samples) {
 const char* extraFaultOf(std::span<const float> extra, const FilmLayout& layout, float samples) {
     const auto means = extra.first(layout.means());
     if (!std::all_of(means.begin(), means.end(), [](float value) { return std::isfinite(value); }))
-        return "a mean of the further channels is NaN or infinite";
+        return "a mean of the additional channels is NaN or infinite";
     for (size_t first = means.size(); first < extra.size(); first += 2 * kMatteRanks)
         if (const char* fault = pairsFaultOf(extra.subspan(first, 2 * kMatteRanks), samples)) return fault;
     return nullptr;
@@ -172,9 +172,9 @@ void FilmTile::merge(const PassFilm& pass) {
     if (pass.layout != layout)
         throw Error(
             ErrorCode::unprocessable,
-            fmt::format("film of tile {}, samples {}+{}: its further channels are {}, but the job's {}",
-                        pass.tile, pass.samples.first, pass.samples.count, pass.layout.text(),
-                        layout.text()));
+            fmt::format(
+                "film of tile {}, samples {}+{}: its additional channels are {}, but the job's are {}",
+                pass.tile, pass.samples.first, pass.samples.count, pass.layout.text(), layout.text()));
     requireUsable(pass);
     for (size_t i = 0; i < pixels.size(); ++i) {
         pixels[i].merge(pass.pixels[i], pass.samples.count);

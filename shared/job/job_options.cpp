@@ -122,7 +122,7 @@ public:
                 [&values](const std::vector<std::string>& words) {
                     for (const std::string& word : words) append(word, values);
                 },
-                std::string(m.meaning) + ": an object of JSON, or a file with one or a list; may be repeated")
+                std::string(m.meaning) + ": a JSON object or list, or a file with one; may be repeated")
             ->allow_extra_args(false)  // one for each option; CLI11 then leaves brackets alone
             ->type_name("JSON|FILE");
     }
@@ -182,7 +182,7 @@ void addJobOptions(CLI::App& app, JobSpec& spec) {
                 throw CLI::ValidationError(e.what());
             }
         },
-        "frames and ranges: 7, 1-240, 1-100x10 (every tenth), 1,5,9");
+        "frame numbers and ranges: 7, 1-240, 1-100x10 (every tenth), 1,5,9");
 }
 
 }  // namespace tilefarm

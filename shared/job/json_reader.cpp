@@ -78,11 +78,11 @@ bool Faults::at(std::string_view pointer) const {
 void Faults::throwIfAny(ErrorCode code, std::string_view what) const {
     if (faults_.empty()) return;
     const Fault& first = faults_.front();
-    const std::string place = first.pointer.empty() ? "the whole of it" : first.pointer;
+    const std::string place = first.pointer.empty() ? "the document" : first.pointer;
     const std::string count =
         cut_ ? fmt::format("more than {}", kMostFaults) : std::to_string(faults_.size());
     const std::string sentence = faults_.size() == 1 ? fmt::format("{}: {} {}", what, place, first.message)
-                                                     : fmt::format("{} has {} faults; the first: {} {}", what,
+                                                     : fmt::format("{} has {} errors; the first: {} {}", what,
                                                                    count, place, first.message);
     throw Error(code, sentence, faults_);
 }

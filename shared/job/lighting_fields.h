@@ -1,6 +1,6 @@
 #pragma once
 
-// Part of the table in fields.h: what a job may say of light.
+// Part of the table in fields.h: a job's environment and lights.
 
 #include "shared/job/appearance_fields.h"
 #include "shared/job/lighting.h"
@@ -29,44 +29,60 @@ inline constexpr NumberRange kSize{1e-6, 1e9};        // m
 
 template <typename Visitor>
 void describe(Visitor& v, Is<SkySettings> auto& sky) {
-    v.number({"sunElevation", "degrees above the horizon"}, sky.sunElevation, {-90, 90});
-    v.number({"sunAzimuth", "degrees clockwise from north (-z), seen from above"}, sky.sunAzimuth, kTurn);
-    v.number({"sunAngularDiameter", "degrees"}, sky.sunAngularDiameter, {0, 90});
-    v.number({"sunIntensity", "scales the sun's disk, not the sky"}, sky.sunIntensity, {0, 1e6});
-    v.number({"turbidity", "amount of aerosol: 1 clear to 10 hazy"}, sky.turbidity, {1, 10});
-    v.number({"groundAlbedo", ""}, sky.groundAlbedo, kShare);
-    v.number({"altitude", "m above the sea"}, sky.altitude, {0, 60000});
+    v.number({"sunElevation", "elevation of the sun above the horizon, degrees"}, sky.sunElevation,
+             {-90, 90});
+    v.number({"sunAzimuth", "azimuth of the sun, degrees clockwise from north (-z) seen from above"},
+             sky.sunAzimuth, kTurn);
+    v.number({"sunAngularDiameter", "angular diameter of the sun, degrees"}, sky.sunAngularDiameter, {0, 90});
+    v.number({"sunIntensity", "scales the radiance of the sun's disk, not of the sky"}, sky.sunIntensity,
+             {0, 1e6});
+    v.number({"turbidity", "turbidity of the atmosphere: 1 clear to 10 hazy"}, sky.turbidity, {1, 10});
+    v.number({"groundAlbedo", "albedo of the ground, which brightens the sky"}, sky.groundAlbedo, kShare);
+    v.number({"altitude", "altitude of the viewer above sea level, m"}, sky.altitude, {0, 60000});
 }
 
 template <typename Visitor>
 void describe(Visitor& v, Is<EnvironmentSettings> auto& environment) {
-    v.choice({"kind", "auto: the scene's file where it has one, white where nothing else lights the scene"},
+    v.choice({"kind",
+              "file: scene.environment; constant: color; sky: a clear sky with sun; none; auto: file if "
+              "scene.environment is given, white of radiance 1 if the scene has no light at all, else none"},
              environment.kind, kEnvironmentChoices);
-    v.number({"intensity", "scales its radiance"}, environment.intensity, {0, 1e9});
-    v.number({"rotation", "degrees around +y, counter-clockwise seen from above"}, environment.rotation,
-             kTurn);
-    v.triple({"color", "radiance of a constant one, W/(sr m²)"}, environment.color, kLightAmount);
-    v.flag({"visible", "to camera rays; light and reflections have it anyway"}, environment.visible);
-    v.object({"sky", "of kind sky"}, environment.sky);
+    v.number({"intensity", "scales the radiance of the environment"}, environment.intensity, {0, 1e9});
+    v.number({"rotation", "rotation of the environment around +y, degrees counter-clockwise seen from above"},
+             environment.rotation, kTurn);
+    v.triple({"color", "radiance of kind constant, W/(sr m²)"}, environment.color, kLightAmount);
+    v.flag({"visible",
+            "camera rays see the environment; off: they see black, while it still lights the scene and shows "
+            "in reflections"},
+           environment.visible);
+    v.object({"sky", "sun and atmosphere of kind sky"}, environment.sky);
 }
 
 template <typename Visitor>
 void describe(Visitor& v, Is<LightSettings> auto& light) {
-    v.text({"name", "for people"}, light.name, {0, 200});
-    v.choice({"kind", "", kRequired}, light.kind, kLightKindChoices);
-    v.triple({"position", "m, of the centre"}, light.position, kCoordinate);
-    v.triple({"direction", "where it shines; a quad's normal"}, light.direction, kCoordinate);
-    v.triple({"color", "linear Rec. 709"}, light.color, kLightAmount);
-    v.number({"intensity", "W/sr point, spot; W/m² directional; W/(sr m²) quad, sphere"}, light.intensity,
+    v.text({"name", "names the light in warnings and mattes"}, light.name, {0, 200});
+    v.choice({"kind", "shape of the light", kRequired}, light.kind, kLightKindChoices);
+    v.triple({"position", "centre of the light, m"}, light.position, kCoordinate);
+    v.triple({"direction", "direction in which a spot or directional light shines; normal of a quad"},
+             light.direction, kCoordinate);
+    v.triple({"color", "colour of the light, linear Rec. 709; multiplies the intensity"}, light.color,
              kLightAmount);
-    v.number({"innerCone", "degrees, half angle of a spot's full intensity"}, light.innerCone, {0, 90});
-    v.number({"outerCone", "degrees, half angle of a spot"}, light.outerCone, {0, 90});
-    v.number({"angularDiameter", "degrees, of a directional light"}, light.angularDiameter, {0, 90});
-    v.number({"width", "m, of a quad"}, light.width, kSize);
-    v.number({"height", "m, of a quad"}, light.height, kSize);
-    v.number({"roll", "degrees, turns a quad around its normal"}, light.roll, kTurn);
-    v.number({"radius", "m, of a sphere"}, light.radius, kSize);
-    v.flag({"twoSided", "a quad that shines both ways"}, light.twoSided);
+    v.number({"intensity",
+              "radiant intensity of point and spot, W/sr; irradiance of directional, W/m²; radiance of quad "
+              "and sphere, W/(sr m²)"},
+             light.intensity, kLightAmount);
+    v.number({"innerCone", "half angle of the cone in which a spot has full intensity, degrees"},
+             light.innerCone, {0, 90});
+    v.number({"outerCone", "half angle at which a spot's intensity has fallen to 0, degrees"},
+             light.outerCone, {0, 90});
+    v.number({"angularDiameter",
+              "angular diameter of a directional light, degrees; 0: all light from one direction"},
+             light.angularDiameter, {0, 90});
+    v.number({"width", "width of a quad, m"}, light.width, kSize);
+    v.number({"height", "height of a quad, m"}, light.height, kSize);
+    v.number({"roll", "rotation of a quad around its normal, degrees"}, light.roll, kTurn);
+    v.number({"radius", "radius of a sphere, m"}, light.radius, kSize);
+    v.flag({"twoSided", "a quad emits from both sides"}, light.twoSided);
 }
 
 }  // namespace tilefarm

@@ -1,6 +1,6 @@
 #pragma once
 
-// Part of the table in fields.h: what a frame holds beyond its picture.
+// Part of the table in fields.h: the additional channels of a frame.
 
 #include "shared/job/lighting_fields.h"
 #include "shared/job/output.h"
@@ -16,21 +16,19 @@ inline constexpr std::array kMatteManifestChoices{
 template <typename Visitor>
 void describe(Visitor& v, Is<OutputSettings> auto& output) {
     v.flag({"lightPaths",
-            "channels of light by its first scattering: emission, and diffuse, specular, transmission and "
-            "volume, each direct and indirect; they add up to the picture"},
+            "light path channels by the first scattering event: emission, and diffuse, specular, "
+            "transmission and volume, each direct and indirect; they add up to the picture"},
            output.lightPaths);
-    v.flag({"uv", "a channel of the first surface's texture coordinates"}, output.uv);
-    v.flag({"cryptomatte", "ids of objects and materials with their coverage (Cryptomatte 1.2)"},
-           output.cryptomatte);
+    v.flag({"uv", "texture coordinates (TEXCOORD_0) of the first surface"}, output.uv);
+    v.flag({"cryptomatte", "ID mattes of objects and materials (Cryptomatte 1.2)"}, output.cryptomatte);
     v.choice({"cryptomatteManifest",
-              "where the names that the ids stand for are: in the file's header, in sidecar files beside it, "
-              "or in sidecar files where they are longer than 250 bytes (auto)"},
+              "where Cryptomatte's manifest is stored: in the EXR's header (header), in JSON files beside it "
+              "(sidecar), or beside it only if longer than 250 bytes (auto)"},
              output.cryptomatteManifest, kMatteManifestChoices);
-    v.flag(
-        {"denoise",
-         "channels of the picture without its noise, when the frame is complete; biased, so beside the raw "
-         "picture and never instead of it"},
-        output.denoise);
+    v.flag({"denoise",
+            "adds a denoised picture as channels denoised.R, .G and .B when the frame is complete; biased, "
+            "so the raw picture stays"},
+           output.denoise);
 }
 
 }  // namespace tilefarm

@@ -45,9 +45,9 @@ void checkEnvironment(const JobSpec& job, Faults& faults) {
     if (e.kind == EnvironmentKind::file && job.scene.environment.empty())
         faults.add("/environment/kind", "is file, but the scene has no environment file");
     if (e.kind != EnvironmentKind::constant && e.color != EnvironmentSettings{}.color)
-        faults.add("/environment/color", "is for an environment of kind constant");
+        faults.add("/environment/color", "applies to environment.kind constant only");
     if (e.kind != EnvironmentKind::sky && e.sky != SkySettings{})
-        faults.add("/environment/sky", "is for an environment of kind sky");
+        faults.add("/environment/sky", "applies to environment.kind sky only");
 }
 
 // A member that says something of another kind of light is a mistake that would pass in silence.
@@ -56,7 +56,7 @@ void checkLightMembers(const LightSettings& light, const std::string& pointer, F
     const LightSettings usual;
     const auto belongs = [&](const char* member, bool isUsual, std::initializer_list<K> kinds) {
         if (!isUsual && std::find(kinds.begin(), kinds.end(), light.kind) == kinds.end())
-            faults.add(pointer + "/" + member, "is not for a light of this kind");
+            faults.add(pointer + "/" + member, "does not apply to lights of this kind");
     };
     belongs("position", light.position == usual.position, {K::point, K::spot, K::quad, K::sphere});
     belongs("direction", light.direction == usual.direction, {K::spot, K::directional, K::quad});
@@ -89,15 +89,15 @@ void checkView(const ViewSettings& view, Faults& faults) {
     if (view.kind == ViewKind::scene &&
         (view.eye != ViewSettings{}.eye || view.target != ViewSettings{}.target))
         faults.add("/view/kind",
-                   "must say which camera is at this eye: perspective, orthographic or panorama");
-    if (view.eye == view.target) faults.add("/view/target", "is where the eye is");
+                   "must be perspective, orthographic or panorama where eye or target is given");
+    if (view.eye == view.target) faults.add("/view/target", "must differ from eye");
     if (isZero(view.up)) faults.add("/view/up", "must not be zero");
     if (view.apertureRadius > 0 && view.fNumber > 0)
-        faults.add("/view/fNumber", "cannot go with apertureRadius: a lens has one of them");
+        faults.add("/view/fNumber", "cannot be combined with apertureRadius: both give the size of the lens");
     const bool flat = view.kind == ViewKind::orthographic || view.kind == ViewKind::panorama;
     if (flat && (view.apertureRadius > 0 || view.fNumber > 0))
         faults.add(view.fNumber > 0 ? "/view/fNumber" : "/view/apertureRadius",
-                   "is for a perspective camera");
+                   "applies to perspective cameras only");
     if (view.blades == 1 || view.blades == 2) faults.add("/view/blades", "must be 0 or at least 3");
 }
 
@@ -105,7 +105,7 @@ void checkIntegrator(const JobSpec& job, Faults& faults) {
     if (faults.at("/settings") || faults.at("/view")) return;
     if (job.settings.integrator == Integrator::raster && job.view.kind == ViewKind::panorama)
         faults.add("/settings/integrator",
-                   "raster draws no panorama: a projection keeps straight lines straight");
+                   "raster cannot render panoramas: rasterization keeps straight lines straight");
 }
 
 void checkMotion(const MotionSettings& motion, Faults& faults) {
@@ -116,7 +116,7 @@ void checkMotion(const MotionSettings& motion, Faults& faults) {
 void checkFog(const FogSettings& fog, Faults& faults) {
     if (faults.at("/fog")) return;
     if (fog.min.has_value() != fog.max.has_value())
-        faults.add(fog.min ? "/fog/max" : "/fog/min", "is missing: a box has both corners");
+        faults.add(fog.min ? "/fog/max" : "/fog/min", "is missing: a box needs both corners");
     if (!fog.min || !fog.max) return;
     for (size_t axis = 0; axis < 3; ++axis)
         if (!((*fog.min)[axis] < (*fog.max)[axis]))
@@ -126,14 +126,15 @@ void checkFog(const FogSettings& fog, Faults& faults) {
 
 void checkOutput(const JobSpec& job, Faults& faults) {
     if (job.output.lightPaths && job.settings.integrator != Integrator::path)
-        faults.add("/output/lightPaths", "is for the integrator path");
+        faults.add("/output/lightPaths", "applies to settings.integrator path only");
 }
 
 }  // namespace
 
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults) {
     if (material.clearcoatGloss && material.clearcoatRoughness && !faults.at(pointer))
-        faults.add(pointer + "/clearcoatGloss", "cannot go with clearcoatRoughness: a coat has one of them");
+        faults.add(pointer + "/clearcoatGloss",
+                   "cannot be combined with clearcoatRoughness: both give the width of the highlight");
 }
 
 void settleFrames(FrameSet& frames, Faults& faults) {
@@ -147,7 +148,7 @@ void settleFrames(FrameSet& frames, Faults& faults) {
     const auto check = [&](const char* member, int64_t given, int64_t usual, int64_t follows) {
         if (given != usual && given != follows)
             faults.add(std::string("/frames/") + member,
-                       fmt::format("is {}, but {} follows from the list", given, follows));
+                       fmt::format("is {}, but the list makes it {}", given, follows));
     };
     const FrameSet usual;
     check("first", frames.first, usual.first, listed.first);

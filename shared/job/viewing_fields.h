@@ -1,6 +1,6 @@
 #pragma once
 
-// Part of the table in fields.h: cameras, time, and where samples go.
+// Part of the table in fields.h: cameras, motion, and the choices of sampling.
 
 #include "shared/job/lighting_fields.h"
 #include "shared/job/viewing.h"
@@ -62,35 +62,51 @@ inline constexpr uint32_t kMostShutterSteps = 32;
 
 template <typename Visitor>
 void describe(Visitor& v, Is<ViewSettings> auto& view) {
-    v.choice({"kind", "scene: the camera that the job names; else one placed here"}, view.kind, kViewChoices);
-    v.triple({"eye", "m, where the camera is"}, view.eye, kCoordinate);
-    v.triple({"target", "m, the middle of the picture"}, view.target, kCoordinate);
-    v.triple({"up", "what is up in the picture"}, view.up, kCoordinate);
-    v.number({"yfov", "degrees, perspective: the full vertical angle"}, view.yfov, {0.001, 179.5});
-    v.number({"height", "m, orthographic: what the picture's height shows"}, view.height, kSize);
-    v.number({"apertureRadius", "m, of the lens; 0 is a pinhole"}, view.apertureRadius, {0, 1e6});
-    v.number({"fNumber", "the aperture by the focal length instead; 0 for none"}, view.fNumber, {0, 1000});
-    v.number({"sensorWidth", "m, for the focal length"}, view.sensorWidth, {1e-4, 10});
-    v.number({"focusDistance", "m; 0: to the target, or to the scene's middle from its own camera"},
+    v.choice({"kind",
+              "scene: the file's camera that camera names; else a camera of this kind placed by eye, target "
+              "and up"},
+             view.kind, kViewChoices);
+    v.triple({"eye", "position of the camera, m"}, view.eye, kCoordinate);
+    v.triple({"target", "point that the camera looks at, m"}, view.target, kCoordinate);
+    v.triple({"up", "direction that points up in the picture"}, view.up, kCoordinate);
+    v.number({"yfov", "full vertical field of view of a perspective camera, degrees"}, view.yfov,
+             {0.001, 179.5});
+    v.number({"height", "height of an orthographic camera's view, m"}, view.height, kSize);
+    v.number(
+        {"apertureRadius", "radius of a perspective camera's lens, m; 0 is a pinhole: no depth of field"},
+        view.apertureRadius, {0, 1e6});
+    v.number({"fNumber", "f-number of the lens in place of apertureRadius; 0: not used"}, view.fNumber,
+             {0, 1000});
+    v.number({"sensorWidth",
+              "width of the sensor, m; with the field of view it gives the focal length for fNumber"},
+             view.sensorWidth, {1e-4, 10});
+    v.number({"focusDistance",
+              "distance of the plane in focus along the view direction, m; 0: distance to target, or to the "
+              "scene's centre for a camera of the file"},
              view.focusDistance, {0, 1e9});
-    v.integer({"blades", "sides of the aperture; 0 or 3 to 64, 0 is a circle"}, view.blades, {0, 64});
-    v.number({"bladeRotation", "degrees"}, view.bladeRotation, kTurn);
+    v.integer({"blades", "blades of the aperture, which shape the bokeh: 3 to 64, or 0 for a circle"},
+              view.blades, {0, 64});
+    v.number({"bladeRotation", "rotation of the aperture blades, degrees"}, view.bladeRotation, kTurn);
 }
 
 template <typename Visitor>
 void describe(Visitor& v, Is<MotionSettings> auto& motion) {
-    v.number({"fps", "frames a second: frame f shows the time f / fps"}, motion.fps, {0.001, 100000});
-    v.text({"animation", "of the glTF file: all, none or one by name"}, motion.animation, {1, 1024});
-    v.flag({"loop", "animations start again at their end, else they stay there"}, motion.loop);
+    v.number({"fps", "frames per second: frame f shows the animation at f / fps seconds"}, motion.fps,
+             {0.001, 100000});
+    v.text({"animation", "which animations of the file play: all, none, or the name of one"},
+           motion.animation, {1, 1024});
+    v.flag({"loop", "animations repeat; off: they hold their last key"}, motion.loop);
     v.number({"turntable",
               "orbit of the camera around the scene's centre in degrees per frame, counter-clockwise seen "
               "from above (+y); 360 / frames for a full turn"},
              motion.turntable, kTurn);
-    v.number({"shutter", "share of the frame's time that the shutter is open: 0 no blur, 0.5 as 180 degrees"},
+    v.number({"shutter",
+              "fraction of the frame time that the shutter is open, from the frame's start: 0 no motion "
+              "blur, 0.5 a 180 degree shutter"},
              motion.shutter, {0, 1});
     v.integer({"shutterSteps",
-               "scene snapshots per exposure where the scene moves, a power of two; biased (the camera alone "
-               "moves without steps)"},
+               "scene snapshots per exposure, a power of two: motion blur of moving objects is stepped and "
+               "thereby biased; camera motion is continuous"},
               motion.shutterSteps, {1, kMostShutterSteps});
 }
 

@@ -62,7 +62,7 @@ class WorkerTold(KillTest):
         job = self.submit(DATA / "cornell.gltf", width=512, height=512, samples=65536, tile_size=512)
         until(lambda: self.job(job)["state"] == "running", "the job to begin")
         worker.process.send_signal(signal.SIGINT)
-        until(lambda: "once more" in worker.log(), "the first signal to arrive")
+        until(lambda: "repeat the signal" in worker.log(), "the first signal to arrive")
         worker.process.send_signal(signal.SIGINT)
         self.assertIn(worker.wait(), (0, 128 + signal.SIGINT))
 

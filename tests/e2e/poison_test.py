@@ -43,7 +43,7 @@ class Poison(FarmTest):
         self.assertEqual(view["state"], "paused")
         self.assertIn("3 workers were killed, crashed or vanished", view["setAside"])
         self.assertIn(view["setAside"], view["faults"])
-        self.assertIn("fault: set aside", self.cli("job", poison))
+        self.assertIn("error: set aside", self.cli("job", poison))
         code, _, err = self.run_program("tilefarm", "--server", self.url, "wait", poison)
         self.assertEqual(code, 1)
         self.assertIn("the job is set aside", err)

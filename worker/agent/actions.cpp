@@ -86,7 +86,7 @@ std::string_view toString(Action action) {
         case Action::refused: return "refused";
         case Action::retry: return "retry";
         case Action::retryFew: return "retry a few times";
-        case Action::hold: return "hold";
+        case Action::hold: return "ask for no work for a while";
         case Action::stop: return "stop";
     }
     return "";

@@ -71,13 +71,13 @@ public:
 
     std::vector<PassFilm> render(int32_t frame, std::span<const uint32_t> tiles,
                                  SampleRange samples) override {
-        if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        if (!renderer_) throw Error(ErrorCode::internal, "no scene is loaded");
         show(frame);
         return renderer_->render(frame, tiles, samples);
     }
 
     SampleTrace trace(int32_t frame, uint32_t x, uint32_t y, uint32_t sample) override {
-        if (!renderer_) throw Error(ErrorCode::internal, "no scene is resident");
+        if (!renderer_) throw Error(ErrorCode::internal, "no scene is loaded");
         show(frame);
         return renderer_->trace(frame, x, y, sample);
     }

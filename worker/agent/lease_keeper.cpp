@@ -60,7 +60,7 @@ void LeaseKeeper::renew(HeldLease& lease) {
         switch (actionFor(Endpoint::renew, error.code)) {
             case Action::stop: standing_.mustStop(error.what()); return;
             case Action::dropJob:
-                spdlog::info("job {} is gone: {}", lease.jobId, error.what());
+                spdlog::info("job {} is no longer wanted: {}", lease.jobId, error.what());
                 standing_.jobGone(lease.jobId);
                 lease.state = LeaseState::gone;
                 release(lease);

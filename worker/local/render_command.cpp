@@ -41,7 +41,7 @@ std::string lineFor(const FrameProgress& p) {
     const double share = static_cast<double>(p.samplesDone) / static_cast<double>(p.samplesInAll);
     std::string line = fmt::format("{:5.1f} %  {} samples", 100 * share, p.last.samples);
     if (p.last.relativeError) line += fmt::format("  relative error {:.4f}", *p.last.relativeError);
-    line += fmt::format("  {} passed", timeText(p.seconds));
+    line += fmt::format("  {} elapsed", timeText(p.seconds));
     if (p.samplesDone < p.samplesInAll) line += fmt::format(", {} left", timeText(p.secondsLeft));
     return line;
 }
@@ -113,10 +113,10 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
     const RenderedFrame frame =
         renderFrame(device, spec, number, clock, [&](const FrameProgress& p) { line.show(p); });
     if (frame.stats.droppedSamples > 0)
-        fmt::print(progress, "warning: {} samples were not finite and were dropped\n",
+        fmt::print(progress, "warning: {} samples were NaN or infinite and were dropped\n",
                    frame.stats.droppedSamples);
     for (const DroppedSample& s : frame.stats.faults.dropped)
-        fmt::print(progress, "    to look at one: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
+        fmt::print(progress, "    to print its path: --pixel {},{} --sample {}\n", s.x, s.y, s.sample);
     for (const std::string& notice : noticesOf(frame.stats.faults, frame.stats.samples))
         fmt::print(progress, "note: {}\n", notice);
     const MatteMetadata mattes = mattesOf(spec, render.files.entry);

@@ -38,8 +38,8 @@ std::vector<SceneWarning> hiddenLights(const Scene& scene, const RenderSettings&
     for (const uint32_t material : materialsOfSolids(scene))
         if (hidesLights(scene.materials[material], settings))
             warnings.push_back({"lights without extent", labelOf(scene, material),
-                                "no path finds them through smooth solid glass, which shades all that light; "
-                                "numerics.lightsBehindGlass of the report counts what of it ends there"});
+                                "they cannot be found through smooth solid glass, whose shadow is too dark; "
+                                "numerics.lightsBehindGlass of the report counts the blocked shadow rays"});
     return warnings;
 }
 

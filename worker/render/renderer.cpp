@@ -62,7 +62,7 @@ struct Moment {
     uint64_t degenerateTriangles = 0;
     glm::vec3 lower{0}, upper{0};  // its box
     BackFaces backFaces;
-    uint32_t vertices = 0;         // of a draw
+    uint32_t vertices = 0;  // of a draw
     gpu::FrameParameters parameters{};
     gpu::StorageBuffer parameterBuffer;
     std::vector<gpu::Binding> bindings;
@@ -92,7 +92,7 @@ struct Renderer::Impl {
     KernelShape compiled;
     CameraPath camera;
     std::vector<SceneWarning> warnings;  // of the first moment
-    std::vector<Moment> moments;  // in the order of time
+    std::vector<Moment> moments;         // in the order of time
     std::optional<RasterPass> raster;
     std::optional<gpu::ComputePipeline> pipeline;
     uint32_t tilesPerBatch;
@@ -201,7 +201,7 @@ void Renderer::Impl::compileIfNeeded() {
     setParameters(0);
     wanted |= featuresOf(camera);
     if (raster && camera.keys.front().panorama)
-        throw Error(ErrorCode::invalidArgument, "the raster integrator draws no panorama");
+        throw Error(ErrorCode::invalidArgument, "the raster integrator cannot render panoramas");
     KernelShape shape{wanted & kernel.shows, moments.front().scene.vertexTexels, compiled.stackSize};
     for (const Moment& moment : moments) shape.stackSize = std::max(shape.stackSize, moment.scene.stackSize);
     if (pipeline && shape == compiled) return;

@@ -18,8 +18,7 @@ constexpr double kPrecisionWanted = 1e-5;
 
 constexpr const char* kOpenInstead =
     "a surface of it is open (one plane, or a side is missing), so that it has no inside: thin-walled there, "
-    "which "
-    "refracts nothing and absorbs as one thickness does";
+    "which refracts nothing and absorbs as one thickness does";
 
 void keepTriangles(Mesh& mesh, const std::vector<bool>& marks, bool kept) {
     std::vector<glm::uvec3> triangles;
@@ -216,10 +215,9 @@ void Meshes::warnOfPrecision(const Mesh& mesh, const JsonNode& primitive) {
     if (!mesh.positions.empty() && spacing > size * kPrecisionWanted) {
         load_.warn(
             "precision loss", primitive,
-            fmt::format(
-                "its vertices are so far from their origin that they are {:.2g} apart at best, in a mesh "
-                "of {:.2g}; a node's translation would keep them exact",
-                spacing, size));
+            fmt::format("its vertices are so far from the mesh's origin that float32 positions are "
+                        "{:.2g} apart, in a mesh of size {:.2g}; a node's translation would keep them exact",
+                        spacing, size));
     }
 }
 

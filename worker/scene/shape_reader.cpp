@@ -125,8 +125,9 @@ void ShapeReader::warnOf(const Shape& shape, bool endless, const JsonNode& node)
     const bool round = shape.kind == ShapeKind::sphere && isSimilarity(shape.toWorld) && material.doubleSided;
     const bool sampled = even && (shape.kind == ShapeKind::rectangle || round);
     if (material.emission != glm::vec3(0) && !sampled)
-        load_.warn(kVendor, node,
-                   fmt::format("emissive {}: its light is found by chance only", nameOf(shape.kind)));
+        load_.warn(
+            kVendor, node,
+            fmt::format("emissive {}: not sampled as a light, so its light is noisier", nameOf(shape.kind)));
 }
 
 }  // namespace tilefarm

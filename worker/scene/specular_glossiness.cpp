@@ -121,8 +121,8 @@ void darken(MaterialReader& reader, Material& m, const TextureRef& specular) {
     if (textured && !readAlike(m.baseColorTexture, specular)) {
         reader.warn(
             "KHR_materials_pbrSpecularGlossiness",
-            "its two textures lie differently: the diffuse colour is not darkened by the specular one, "
-            "but for what Fresnel reflection takes");
+            "its two textures have different texture coordinates or transforms: the diffuse colour is not "
+            "darkened by the specular one, except by Fresnel reflection");
         return;
     }
     std::vector<TextureRef> sources{specular};

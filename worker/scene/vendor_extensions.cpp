@@ -24,11 +24,12 @@ void describe(Visitor& v, Is<VendorMaterial> auto& material) {
 
 template <typename Visitor>
 void describe(Visitor& v, Is<VendorLight> auto& light) {
-    v.number({"radius", "m: a sphere"}, light.radius, kSize);
-    v.number({"width", "m: a rectangle"}, light.width, kSize);
-    v.number({"height", "m"}, light.height, kSize);
-    v.flag({"twoSided", "of a rectangle"}, light.twoSided);
-    v.number({"angularDiameter", "degrees, of a directional light"}, light.angularDiameter, {0, 90});
+    v.number({"radius", "makes the light a sphere of this radius, m"}, light.radius, kSize);
+    v.number({"width", "makes the light a rectangle of this width, m"}, light.width, kSize);
+    v.number({"height", "height of the rectangle, m"}, light.height, kSize);
+    v.flag({"twoSided", "the rectangle emits from both sides"}, light.twoSided);
+    v.number({"angularDiameter", "angular diameter of a directional light, degrees"}, light.angularDiameter,
+             {0, 90});
 }
 
 template <typename T>
@@ -41,14 +42,15 @@ T read(const JsonNode& extension, Faults& faults) {
 void checkLight(const VendorLight& given, PunctualType type, const std::string& place, Faults& faults) {
     const bool directional = type == PunctualType::directional;
     if (given.angularDiameter && !directional)
-        faults.add(place + "/angularDiameter", "is for a directional light");
-    if (given.radius && type != PunctualType::point) faults.add(place + "/radius", "is for a point light");
+        faults.add(place + "/angularDiameter", "applies to directional lights only");
+    if (given.radius && type != PunctualType::point)
+        faults.add(place + "/radius", "applies to point lights only");
     if (given.width.has_value() != given.height.has_value())
         faults.add(place, "must have both width and height");
     if ((given.width || given.twoSided) && directional)
-        faults.add(place, "makes a rectangle, which a directional light cannot be");
+        faults.add(place, "cannot make a directional light a rectangle");
     if (given.radius && given.width) faults.add(place, "must be either a sphere or a rectangle");
-    if (given.twoSided && !given.width) faults.add(place + "/twoSided", "is for a rectangle");
+    if (given.twoSided && !given.width) faults.add(place + "/twoSided", "applies to rectangles only");
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(ResultMerger, RefusesFurtherChannelsThatAreNotTheJobs) {
     const Error less = errorOf([&] { farm.deliver(lease); });
     EXPECT_EQ(less.code, ErrorCode::unprocessable);
     EXPECT_STREQ(less.what(),
-                 "the part of tile 0, samples 0+1 has the further channels none, but the job's are uv");
+                 "the part of tile 0, samples 0+1 has the additional channels none, but the job's are uv");
     lease.spec.output = {false, true, true};
     EXPECT_EQ(codeOf([&] { farm.deliver(lease); }), ErrorCode::unprocessable);
     lease.spec.output = spec.output;

@@ -28,8 +28,9 @@ TEST(JobFaults, WhatTheRulesOfTheJobLeaveOutIsNone) {
     EXPECT_FALSE(isFlagged(row));
     EXPECT_THAT(faultsOf(row), IsEmpty());
     EXPECT_EQ(numericsOf(row)["truncatedShare"], 0.01);
-    EXPECT_THAT(noticesOf(row), ElementsAre(HasSubstr("bounce limit ended 1 % of the paths, which still "
-                                                      "carried 0.5 % of what all began with")));
+    EXPECT_THAT(noticesOf(row),
+                ElementsAre(HasSubstr(
+                    "ended 1 % of the paths, which still carried 0.5 % of the initial throughput")));
 }
 
 TEST(JobFaults, NothingIsNoticedWhereNothingIsMissing) {

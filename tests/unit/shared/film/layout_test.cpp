@@ -87,14 +87,15 @@ std::string refusalOf(const PassFilm& pass, const FilmLayout& layout = kAll) {
 TEST(HostileFilmExtra, IsRefusedWithTileAndFault) {
     EXPECT_THAT(
         refusalOf(passOf(0, 4, 0, {}, kMatte)),
-        HasSubstr("tile 0, samples 0+4: its further channels are cryptomatte, but the job's lightPaths"));
+        HasSubstr(
+            "tile 0, samples 0+4: its additional channels are cryptomatte, but the job's are lightPaths"));
     PassFilm pass = passOf(0, 4, 0, {});
     pass.extra.pop_back();
     EXPECT_THAT(refusalOf(pass), HasSubstr("52 further values"));
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         EXPECT_THAT(refusalOf(passOf(0, 4, bad, {})),
-                    HasSubstr("pixel (0, 0): a mean of the further channels"));
+                    HasSubstr("pixel (0, 0): a mean of the additional channels"));
         EXPECT_THAT(refusalOf(passOf(0, 4, 0, {{bad, 1.f}})), HasSubstr("an id is not one"));
         EXPECT_THAT(refusalOf(passOf(0, 4, 0, {{2.f, bad}})), HasSubstr("sample count"));
     }

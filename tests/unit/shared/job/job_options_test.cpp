@@ -184,6 +184,30 @@ TEST(Documents, HaveEveryKnobInItsTables) {
         }
 }
 
+// Every member of the schema that has no description.
+void collectUndescribed(const nlohmann::json& schema, const std::string& place,
+                        std::vector<std::string>& out) {
+    if (!place.empty() && schema.value("description", "").empty()) out.push_back(place);
+    if (schema.contains("properties"))
+        for (const auto& [name, member] : schema["properties"].items())
+            collectUndescribed(member, place + "/" + name, out);
+    if (schema.contains("items") && schema["items"].value("type", "") == "object")
+        for (const auto& [name, member] : schema["items"]["properties"].items())
+            collectUndescribed(member, place + "[]/" + name, out);
+}
+
+TEST(Documents, DescribeEveryMemberAndOption) {
+    std::vector<std::string> undescribed;
+    collectUndescribed(jobSchema(), "", undescribed);
+    EXPECT_THAT(undescribed, testing::IsEmpty());
+
+    CLI::App app;
+    JobSpec spec;
+    addJobOptions(app, spec);
+    for (const CLI::Option* option : app.get_options())
+        EXPECT_NE(option->get_description(), "") << option->get_name();
+}
+
 TEST(JobOptions, TakeFramesByListAndStep) {
     EXPECT_EQ(parsed({"--frames", "1-100x10"}).frames, (FrameSet{1, 10, 10}));
     EXPECT_EQ(parsed({"--frames", "1,5,9"}).frames, (FrameSet{1, 3, 1, "1,5,9"}));

@@ -133,7 +133,7 @@ TEST(JsonReader, StopsListingAtAHundredFaults) {
     for (int i = 0; i < 10000; ++i) hostile["x" + std::to_string(i)] = i;
     const Error error = errorOf([&] { read(hostile); });
     EXPECT_EQ(error.faults.size(), 100u);
-    EXPECT_THAT(error.what(), HasSubstr("more than 100 faults"));
+    EXPECT_THAT(error.what(), HasSubstr("more than 100 errors"));
 }
 
 TEST(JsonReader, CanPassOverUnknownMembers) {

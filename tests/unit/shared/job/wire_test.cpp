@@ -326,7 +326,7 @@ TEST(JobOverTime, MembersThatContradictEachOtherAreFaults) {
     whitted["settings"]["integrator"] = "whitted";
     whitted["output"] = {{"lightPaths", true}};
     EXPECT_THAT(errorOf([&] { jobFromJson(whitted); }).faults,
-                ElementsAre(Fault{"/output/lightPaths", "is for the integrator path"}));
+                ElementsAre(Fault{"/output/lightPaths", "applies to settings.integrator path only"}));
     whitted["output"] = {{"uv", true}, {"cryptomatte", true}};
     EXPECT_NO_THROW(jobFromJson(whitted));
 }

@@ -54,7 +54,7 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["numerics"]["truncatedThroughput"], 0.05);
     EXPECT_THAT(report["notices"][0].get<std::string>(), testing::HasSubstr("25 % of the paths"));
     EXPECT_EQ(report["numerics"]["lightsBehindGlass"], 8);
-    EXPECT_THAT(report["notices"][1].get<std::string>(), testing::HasSubstr("8 samples of lights"));
+    EXPECT_THAT(report["notices"][1].get<std::string>(), testing::HasSubstr("8 shadow rays to"));
     EXPECT_EQ(report["numerics"]["clampedSamples"], 20);
     EXPECT_EQ(report["numerics"]["clampedLuminance"], 0.005);
     EXPECT_DOUBLE_EQ(report["numerics"]["clampedPercent"].get<double>(), 25) << "5 of 5 + 15";

@@ -73,7 +73,8 @@ TEST_F(ShapeReaderTest, WarnsOfWhatItRendersOtherwise) {
     builder.set("/scenes/0/nodes", "[0]");
     const Scene scene = load(builder);
     EXPECT_EQ(scene.shapes.at(0).material, 0u);
-    EXPECT_EQ(scene.warnings.at(0).instead, "emissive capsule: its light is found by chance only");
+    EXPECT_EQ(scene.warnings.at(0).instead,
+              "emissive capsule: not sampled as a light, so its light is noisier");
 }
 
 TEST_F(ShapeReaderTest, CompilesFieldsToPostfixOrder) {
