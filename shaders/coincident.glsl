@@ -72,7 +72,8 @@ Faces facesAt(Surface s, vec3 direction, uint key, bool culls) {
     ray.startReach = -INFINITY;  // none is passed over
     ray.tMin = -reach;
     ray.tMax = reach;
-    BoxRay box = makeBoxRay(ray);
+    // Boxes are entered from a point further back: they are widened by a part of the distance, which has to be positive.
+    BoxRay box = makeBoxRay(freeRay(s.position - reach * direction, direction, 0.0, key));
     ShearRay shear = makeShearRay(ray);
     shear.tMin = -reach;
     Faces faces;
@@ -84,7 +85,7 @@ Faces facesAt(Surface s, vec3 direction, uint key, bool culls) {
     while (current != kBvhDone) {
         bool pop = true;
         if ((current & kBvhLeaf) == 0u) {
-            bvec4 enters = notEqual(enterChildren(current, box, -reach, reach), uvec4(kBvhNotEntered));
+            bvec4 enters = notEqual(enterChildren(current, box, 0.0, 2.0 * reach), uvec4(kBvhNotEntered));
             uvec4 references = LOAD(bvhNodes, current + 6u);
             for (int slot = 0; slot < 4; ++slot) {
                 if (!enters[slot]) continue;

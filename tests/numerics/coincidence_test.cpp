@@ -31,7 +31,7 @@ std::ostream& operator<<(std::ostream& out, const Place& at) {
 }
 
 using Places = std::vector<Place>;
-const Places kFew{{0, 0, 1}, {1.1, 0.37, 1e4}}, kOne{{0.4, 0.37, 1}};
+const Places kFew{{0, 0, 1}, {1.1, 0.37, 1e4}}, kOne{{0, 0.37, 1}};  // one across an axis: boxes are flat
 const Places kMany{{0, 0, 1},   {0, 0.37, 1}, {0.4, 0, 1},    {1.1, 0.37, 1},
                    {2, 0, 1e4}, {0, 0, 1e-4}, {0.7, -90, 10}, {std::numbers::pi / 2, 0, 1}};
 
