@@ -12,7 +12,7 @@ bool open(SampleKey key, Surface s) {
     if (dot(wi, s.geometricNormal) <= 0.0) return false;
     vec3 origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, wi);
     rayCount++;
-    Ray ray = freeRay(origin, wi, parameters.integrator.x, cutoutKey(key, 1u));
+    Ray ray = freeRay(origin, wi, parameters.occlusionDistance, cutoutKey(key, 1u));
     startOn(s, ray);
     ray.culls = cullsAll();
     return !anyHit(ray);

@@ -25,7 +25,7 @@ vec4 slerp(vec4 a, vec4 b, float t) {
 // Between two keys: rotation | pivot, half height | offset from the pivot in the camera's axes, aspect. The rotation is
 // slerped and the rest linear, so a camera that circles its pivot stays on the circle.
 CameraPose poseAt(float time) {
-    uint last = parameters.sampling.z - 1u;
+    uint last = parameters.cameraKeyCount - 1u;
     float at = time * float(last);
     uint from = min(uint(at), last - 1u);
     float t = at - float(from);
@@ -42,30 +42,30 @@ CameraPose poseAt(float time) {
 }
 
 CameraPose cameraPose(SampleKey key) {
-    if (has(FEATURE_CAMERA_MOTION) && parameters.sampling.z > 1u) {
+    if (has(FEATURE_CAMERA_MOTION) && parameters.cameraKeyCount > 1u) {
         float u = unitFloat(randomBits(key, DIMENSION_TIME).x);
-        return poseAt(parameters.shutter.x + parameters.shutter.y * u);
+        return poseAt(parameters.shutterBegin + parameters.shutterLength * u);
     }
-    return CameraPose(parameters.cameraOrigin.xyz, parameters.cameraForward.xyz, parameters.cameraRight.xyz,
-                      parameters.cameraUp.xyz);
+    return CameraPose(parameters.cameraOrigin, parameters.cameraForward, parameters.cameraRight,
+                      parameters.cameraUp);
 }
 
 // Uniform on the unit disk, or on the regular polygon inscribed in it.
 vec2 apertureSample(vec2 u) {
-    float blades = parameters.lens.z;
+    float blades = parameters.lensBlades;
     if (blades < 3.0) {
         float r = sqrt(u.x), phi = TWO_PI * u.y;
         return vec2(r * cos(phi), r * sin(phi));
     }
     float side = min(floor(u.x * blades), blades - 1.0);
     vec2 b = uniformTriangle(vec2(u.x * blades - side, u.y));
-    vec2 angles = parameters.lens.w + TWO_PI / blades * vec2(side, side + 1.0);
+    vec2 angles = parameters.lensRotation + TWO_PI / blades * vec2(side, side + 1.0);
     return b.x * vec2(cos(angles.x), sin(angles.x)) + b.y * vec2(cos(angles.y), sin(angles.y));
 }
 
 // Where on the lens a ray starts, from its middle.
 vec3 lensShift(SampleKey key, CameraPose pose) {
-    vec2 onLens = parameters.lens.x * apertureSample(unitFloat(randomBits(key, DIMENSION_LENS).xy));
+    vec2 onLens = parameters.lensRadius * apertureSample(unitFloat(randomBits(key, DIMENSION_LENS).xy));
     return onLens.x * normalize(pose.right) + onLens.y * normalize(pose.up);
 }
 
@@ -80,38 +80,38 @@ vec3 panoramaDirection(CameraPose pose, vec2 ndc) {
 void rayFrom(CameraPose pose, SampleKey key, vec2 ndc, out vec3 origin, out vec3 direction) {
     precise vec3 offset = ndc.x * pose.right + ndc.y * pose.up;
     origin = pose.origin;
-    if (has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC) {
+    if (has(FEATURE_ORTHOGRAPHIC) && parameters.cameraKind == CAMERA_ORTHOGRAPHIC) {
         origin = pose.origin + offset;
         direction = pose.forward;
-    } else if (has(FEATURE_PANORAMA) && parameters.cameraForward.w == CAMERA_PANORAMA) {
+    } else if (has(FEATURE_PANORAMA) && parameters.cameraKind == CAMERA_PANORAMA) {
         direction = normalize(panoramaDirection(pose, ndc));
     } else {
         precise vec3 through = pose.forward + offset;
         vec3 towards = through;
-        if (has(FEATURE_THIN_LENS) && parameters.lens.x > 0.0) {
+        if (has(FEATURE_THIN_LENS) && parameters.lensRadius > 0.0) {
             vec3 shift = lensShift(key, pose);
             origin = pose.origin + shift;
-            towards = through - shift * parameters.lens.y;  // all through one point of the plane in focus
+            towards = through - shift * parameters.lensInverseFocus;  // all through one point of the plane in focus
         }
         direction = normalize(towards);
     }
 }
 
 void cameraRay(SampleKey key, vec2 raster, out vec3 origin, out vec3 direction) {
-    vec2 ndc = vec2(2.0, -2.0) * raster / vec2(parameters.image.xy) + vec2(-1.0, 1.0);
+    vec2 ndc = vec2(2.0, -2.0) * raster / vec2(parameters.imageSize) + vec2(-1.0, 1.0);
     rayFrom(cameraPose(key), key, ndc, origin, direction);
 }
 
 // Whether rays other than the camera's pass back faces.
-bool cullsAll() { return has(FEATURE_CULLING) && parameters.culling.x == CULLING_ALL; }
+bool cullsAll() { return has(FEATURE_CULLING) && parameters.cullingKind == CULLING_ALL; }
 
 // The camera's ray as far as its clipping planes let it see; it passes the backs that are culled. `cutout` is its key.
 Ray viewRay(SampleKey key, vec3 origin, vec3 direction, uint cutout) {
     Ray ray = freeRay(origin, direction, INFINITY, cutout);
     if (!has(FEATURE_CULLING)) return ray;
-    ray.culls = parameters.culling.x != CULLING_NONE;
-    if (parameters.culling.y == 0u) return ray;
-    vec2 reach = parameters.clipping.xy / dot(direction, cameraPose(key).forward);
+    ray.culls = parameters.cullingKind != CULLING_NONE;
+    if (parameters.cameraClips == 0u) return ray;
+    vec2 reach = parameters.clipping / dot(direction, cameraPose(key).forward);
     ray.tMin = reach.x;
     ray.tMax = reach.y;
     return ray;

@@ -35,7 +35,7 @@ bool mayCoincide(uint material) {
 
 uint faceKind(uint material) {
     uint flags = materialFlags(material);
-    bool transmits = materialTexel(material, 3u).x > 0.0 || materialTexel(material, 14u).w > 0.0;
+    bool transmits = materialTransmission(material) > 0.0 || materialDiffuseTransmission(material) > 0.0;
     if (!transmits || (flags & MATERIAL_UNLIT) != 0u) return FACE_OPAQUE;
     return (flags & MATERIAL_THIN) != 0u ? FACE_PANE : FACE_SOLID;
 }

@@ -47,70 +47,8 @@ GPU_CONSTANT BINDING_SHAPE_SLOTS = 22;     // S uint: vertices of triangles, the
 // Side of the blocks in which the raster integrator draws an image, pixels.
 GPU_CONSTANT RASTER_BLOCK = 2048;
 
-// Effects, as numbers of bits. Each bit compiles its code in; a scene that does not call for it pays nothing.
-GPU_CONSTANT FEATURE_TEXTURES = 0;           // any texture but normal maps
-GPU_CONSTANT FEATURE_NORMAL_MAPS = 1;
-GPU_CONSTANT FEATURE_VERTEX_COLORS = 2;
-GPU_CONSTANT FEATURE_CUTOUT = 3;             // alpha mask or blend
-GPU_CONSTANT FEATURE_SPECULAR = 4;           // rough reflection: metals, dielectrics with ior ≠ 1
-GPU_CONSTANT FEATURE_MIRROR = 5;             // α below ALPHA_DELTA: reflection and refraction as delta lobes
-GPU_CONSTANT FEATURE_TRANSMISSION = 6;
-GPU_CONSTANT FEATURE_ATTENUATION = 7;        // Beer–Lambert inside transmissive solids
-GPU_CONSTANT FEATURE_EMISSIVE_TRIANGLES = 8;
-GPU_CONSTANT FEATURE_PUNCTUAL_LIGHTS = 9;
-GPU_CONSTANT FEATURE_ENVIRONMENT = 10;
-GPU_CONSTANT FEATURE_UNLIT = 11;
-GPU_CONSTANT FEATURE_ORTHOGRAPHIC = 12;
-GPU_CONSTANT FEATURE_FLOAT_TEXTURES = 13;    // 16-bit and HDR textures
-GPU_CONSTANT FEATURE_TEXTURE_TRANSFORMS = 14;
-GPU_CONSTANT FEATURE_SECOND_UV_SET = 15;
-GPU_CONSTANT FEATURE_NEAREST_FILTER = 16;
-GPU_CONSTANT FEATURE_SPECULAR_COLOR = 17;       // strength, colour and tint of dielectric reflection
-GPU_CONSTANT FEATURE_CLEARCOAT = 18;
-GPU_CONSTANT FEATURE_SHEEN = 19;
-GPU_CONSTANT FEATURE_ANISOTROPY = 20;
-GPU_CONSTANT FEATURE_IRIDESCENCE = 21;
-GPU_CONSTANT FEATURE_DISPERSION = 22;
-GPU_CONSTANT FEATURE_DIFFUSE_TRANSMISSION = 23;
-GPU_CONSTANT FEATURE_CONDUCTOR = 24;            // Fresnel from measured n and k
-GPU_CONSTANT FEATURE_ENERGY_COMPENSATION = 25;  // scattering more than once between microfacets
-GPU_CONSTANT FEATURE_OREN_NAYAR = 26;
-GPU_CONSTANT FEATURE_DISNEY_DIFFUSE = 27;       // retro-reflection and flat subsurface approximation
-GPU_CONSTANT FEATURE_DISNEY_SHEEN = 28;
-GPU_CONSTANT FEATURE_GTR1 = 29;                 // Disney's distribution of the clearcoat
-GPU_CONSTANT FEATURE_BECKMANN = 30;
-GPU_CONSTANT FEATURE_PHONG = 31;
-GPU_CONSTANT FEATURE_SCHLICK = 32;              // Schlick's curve for dielectrics
-GPU_CONSTANT FEATURE_SPHERE_LIGHTS = 33;
-GPU_CONSTANT FEATURE_QUAD_LIGHTS = 34;
-GPU_CONSTANT FEATURE_SUN_LIGHTS = 35;           // directional with an angular size
-GPU_CONSTANT FEATURE_LIGHT_TREE = 36;
-GPU_CONSTANT FEATURE_ALL_LIGHTS = 37;           // every light at every surface point
-GPU_CONSTANT FEATURE_SINGLE_SAMPLING = 38;      // no multiple importance sampling: lights alone, or the BSDF
-GPU_CONSTANT FEATURE_GLASS_SHADOWS = 39;        // shadow rays look at the smooth glass that they meet
-GPU_CONSTANT FEATURE_ENVIRONMENT_ROTATION = 40;
-GPU_CONSTANT FEATURE_HIDDEN_ENVIRONMENT = 41;   // camera rays do not see it
-GPU_CONSTANT FEATURE_SHAPES = 42;               // surfaces other than triangles
-GPU_CONSTANT FEATURE_FIELDS = 43;               // shapes by signed distance
-GPU_CONSTANT FEATURE_THIN_LENS = 44;            // depth of field
-GPU_CONSTANT FEATURE_PANORAMA = 45;
-GPU_CONSTANT FEATURE_CAMERA_MOTION = 46;        // the camera moves while the shutter is open
-GPU_CONSTANT FEATURE_PIXEL_FILTER = 47;         // any but the box of one pixel
-GPU_CONSTANT FEATURE_SOBOL_SAMPLER = 48;        // Owen-scrambled Sobol points
-GPU_CONSTANT FEATURE_STRATIFIED_SAMPLER = 49;   // jittered grids
-GPU_CONSTANT FEATURE_FOG = 50;                  // a medium outside of solids that absorbs and scatters
-GPU_CONSTANT FEATURE_LIGHT_PATHS = 51;          // channels that a job asks for: light by its first scattering,
-GPU_CONSTANT FEATURE_UV_CHANNEL = 52;           // texture coordinates,
-GPU_CONSTANT FEATURE_CRYPTOMATTE = 53;          // ids of objects and materials
-GPU_CONSTANT FEATURE_NESTED_MEDIA = 54;         // transmissive solids within others, or around the camera
-GPU_CONSTANT FEATURE_CLAMP = 55;                // a bound on what a sample gathers at once
-GPU_CONSTANT FEATURE_REGULARISATION = 56;       // a least α behind rough surfaces
-GPU_CONSTANT FEATURE_DIRECTION_SAMPLING = 57;   // other than by the BSDF
-GPU_CONSTANT FEATURE_SHADOW_DEPTH = 58;
-GPU_CONSTANT FEATURE_ROULETTE_RULE = 59;        // other than by throughput
-GPU_CONSTANT FEATURE_CULLING = 60;              // back faces or parts beyond clipping planes that rays pass
-GPU_CONSTANT FEATURE_COINCIDENT_FACES = 61;     // faces that share a part of their plane
-GPU_CONSTANT FEATURE_COUNT = 62;
+// Features, as numbers of bits: tables/features.py.
+#include "gpu_features.h"
 
 // Specialization constants of path_trace.comp.
 GPU_CONSTANT SPEC_FEATURES = 0;
@@ -127,11 +65,7 @@ GPU_CONSTANT NO_INDEX = 0xffffffffu;
 // Vertex texels: 0 normal.xyz, u0 | 1 v0, u1, v1, – | 2 tangent.xyz, handedness | 3 colour rgba.
 // A scene stores the shortest prefix that its effects read (SPEC_VERTEX_TEXELS).
 GPU_CONSTANT PRIMITIVE_TEXELS = 1;  // corner vertices i0, i1, i2, material
-GPU_CONSTANT MATERIAL_TEXELS = 18;
-GPU_CONSTANT TEXTURE_TEXELS = 3;
-GPU_CONSTANT LIGHT_TEXELS = 4;
 GPU_CONSTANT LIGHT_TREE_NODE_TEXELS = 6;  // LightTreeChild of the first child, then of the second
-GPU_CONSTANT LIGHT_TREE_CHILD_TEXELS = 3;
 GPU_CONSTANT ALBEDO_TABLE_SIZE = 32;  // per side; a table has one more row, the averages
 
 GPU_CONSTANT MATERIAL_DOUBLE_SIDED = 1u << 0;
@@ -167,7 +101,6 @@ GPU_CONSTANT SHAPE_DISK = 4;       // the unit disk in z = 0, its front towards 
 GPU_CONSTANT SHAPE_CYLINDER = 5;   // along y, capped: half height, radius at the bottom, at the top
 GPU_CONSTANT SHAPE_CAPSULE = 6;    // hull of two spheres on the y axis: half their distance, radii below and above
 GPU_CONSTANT SHAPE_FIELD = 7;      // where a signed distance is zero: step scale, size
-GPU_CONSTANT SHAPE_TEXELS = 8;
 GPU_CONSTANT SHAPE_MIRRORED = 1u << 0;  // the transform's determinant is negative
 
 // Instructions of a field (shaders/shapes/field.glsl), with their parameters.
@@ -199,12 +132,12 @@ GPU_CONSTANT LIGHT_TREE_INFINITE = 1u << 1;    // lights of no place: environmen
 GPU_CONSTANT LIGHT_TREE_BALANCED = 1u << 2;    // of both children: neither gets less than LIGHT_TREE_LEAST
 #define LIGHT_TREE_LEAST 0.2
 
-// FrameParameters::culling.x
+// FrameParameters::cullingKind
 GPU_CONSTANT CULLING_NONE = 0;
 GPU_CONSTANT CULLING_CAMERA = 1;
 GPU_CONSTANT CULLING_ALL = 2;
 
-// FrameParameters::integrator.y
+// FrameParameters::view
 GPU_CONSTANT VIEW_ALBEDO = 0;
 GPU_CONSTANT VIEW_NORMAL = 1;            // shading normal on the camera's side; -1 … 1 as 0 … 1
 GPU_CONSTANT VIEW_GEOMETRIC_NORMAL = 2;  // likewise
@@ -213,7 +146,7 @@ GPU_CONSTANT VIEW_UV = 4;                // of the first set, fractions
 GPU_CONSTANT VIEW_MATERIAL = 5;          // a colour for each
 GPU_CONSTANT VIEW_OBJECT = 6;            // likewise, by the ids of BINDING_MATTES
 
-// FrameParameters::filtering.x
+// FrameParameters::filterKind
 GPU_CONSTANT FILTER_PIXEL = 0;  // the box of one pixel
 GPU_CONSTANT FILTER_BOX = 1;
 GPU_CONSTANT FILTER_POINT = 2;  // the pixel's centre
@@ -221,7 +154,7 @@ GPU_CONSTANT FILTER_TENT = 3;
 GPU_CONSTANT FILTER_GAUSSIAN = 4;
 GPU_CONSTANT FILTER_BLACKMAN_HARRIS = 5;
 
-// FrameParameters::sampling.x
+// FrameParameters::samplerKind
 GPU_CONSTANT SAMPLER_RANDOM = 0;
 GPU_CONSTANT SAMPLER_STRATIFIED = 1;
 GPU_CONSTANT SAMPLER_SOBOL = 2;
@@ -241,7 +174,7 @@ GPU_CONSTANT MATTE_TEXELS = MATTE_RANKS / 2;
 // Panes in a row that light crosses straight on, at most. The next ends a shadow ray, and for a path it is a bounce.
 GPU_CONSTANT MOST_PANES = 64;
 
-// FrameParameters::rules.x, .y
+// FrameParameters::rouletteRule, directionSampling
 GPU_CONSTANT ROULETTE_THROUGHPUT = 0;
 GPU_CONSTANT ROULETTE_CONSTANT = 1;
 GPU_CONSTANT ROULETTE_NONE = 2;
@@ -249,7 +182,7 @@ GPU_CONSTANT DIRECTION_BSDF = 0;
 GPU_CONSTANT DIRECTION_COSINE = 1;
 GPU_CONSTANT DIRECTION_UNIFORM = 2;
 
-// FrameParameters::lights.x: how lights are chosen, and weighed against the BSDF. By data beside the bits of FEATURE_*:
+// FrameParameters::lightSelection: how lights are chosen, and weighed against the BSDF. By data beside the bits of FEATURE_*:
 // a kernel may hold the code of several ways.
 GPU_CONSTANT LIGHTS_BY_TREE = 1u << 0;
 GPU_CONSTANT LIGHTS_ALL = 1u << 1;
@@ -259,7 +192,7 @@ GPU_CONSTANT LIGHTS_BY_BSDF = 1u << 3;
 GPU_CONSTANT CAMERA_KEYS = 33;       // at most
 GPU_CONSTANT CAMERA_KEY_VECTORS = 3;
 
-// FrameParameters::cameraForward.w
+// FrameParameters::cameraKind
 #define CAMERA_PERSPECTIVE 0.0
 #define CAMERA_ORTHOGRAPHIC 1.0
 #define CAMERA_PANORAMA 2.0
@@ -284,42 +217,63 @@ GPU_CONSTANT TILE_TRUNCATED_THROUGHPUT = TILE_CLAMPED_RADIANCE + SUM_LIMBS;  // 
 GPU_CONSTANT TILE_RAYS = TILE_TRUNCATED_THROUGHPUT + SUM_LIMBS;
 GPU_CONSTANT TILE_COUNTERS = TILE_RAYS + SUM_LIMBS;
 
-// For debugging: bits beyond FEATURE_COUNT, which nothing calls for and no report names.
-GPU_CONSTANT FEATURE_TRACE = 62;           // writes what a path meets behind the films: TRACE_TEXELS a bounce
-GPU_CONSTANT FEATURE_FAULT_INJECTION = 63; // makes one sample of 1e5 NaN
+// Of FEATURE_TRACE and FEATURE_FAULT_INJECTION.
 GPU_CONSTANT TRACE_TEXELS = 3;  // position, t | throughput on arrival, pdf | radiance so far, primitive; the last: t < 0
 GPU_CONSTANT INJECTION_THRESHOLD = 42950;  // of 2^32
 
+// Records of the texel buffers: tables/records.py.
+#include "gpu_records.h"
+
 // Constant for all passes of a frame. World space is the re-centred one of worker/scene/world.h.
 struct FrameParameters {
-    vec4 cameraOrigin;    // xyz
-    vec4 cameraForward;   // perspective: unit view direction
-    vec4 cameraRight;     // half width of the image plane at distance 1 (perspective) or in metres
-    vec4 cameraUp;        // half height, likewise
-    uvec4 image;          // width, height, seed, frame
-    uvec4 path;           // max bounces, roulette start, light count, environment light or NO_INDEX
-    uvec4 environment;    // width, height, first LIGHT_SUN, number of LIGHT_SUN
-    vec4 environmentPdf;  // x: 1 / sum of texel weights, y: w·h / (2π²), z: rotation in turns, w: 1 if hidden
-    vec4 lens;            // x: radius m, 0 for a pinhole; y: 1 / focus distance; z: blades; w: their rotation, rad
-    vec4 filtering;       // x: FILTER_*, y: radius in pixels
-    uvec4 sampling;       // x: SAMPLER_*, y: strata per side, z: camera keys, 0 for a still one
-    vec4 shutter;         // part of the shutter's time that this scene stands for: x: begin, y: length, of 1
-    uvec4 rules;          // x: ROULETTE_*, y: DIRECTION_*, z: scatterings with shadows
-    vec4 bounds;          // clamp of light that scattered x: once, y: more often; z: least α behind rough surfaces;
-                          // w: survival of ROULETTE_CONSTANT
+    vec3 cameraOrigin; float unusedOrigin;
+    vec3 cameraForward;    // perspective: unit view direction
+    float cameraKind;      // CAMERA_*
+    vec3 cameraRight;      // half width of the image plane at distance 1 (perspective) or in metres
+    float unusedRight;
+    vec3 cameraUp;         // half height in the same unit
+    float unusedUp;
+    uvec2 imageSize;
+    uint seed, frame;
+    uint maxBounces, rouletteStart, lightCount;
+    uint environmentLight;  // index of the environment among the lights, or NO_INDEX
+    uvec2 environmentSize;
+    uint firstSun, sunCount;  // lights of LIGHT_SUN, one after the other
+    float environmentInverseWeight;       // 1 / sum of texel weights
+    float environmentTexelsPerSteradian;  // w·h / (2π²): times sin θ it is that
+    float environmentTurns;               // its rotation
+    float environmentHidden;              // 1: camera rays do not see it
+    float lensRadius;                     // m, 0 for a pinhole
+    float lensInverseFocus;               // 1/m
+    float lensBlades, lensRotation;       // blades of the aperture; rad
+    float filterKind, filterRadius;       // FILTER_*; pixels
+    float unusedFilter0, unusedFilter1;
+    uint samplerKind, strata;             // SAMPLER_*; per side
+    uint cameraKeyCount;                  // 0 for a still camera
+    uint unusedSampler;
+    float shutterBegin, shutterLength;    // part of the shutter's time, of 1, that this scene stands for
+    float unusedShutter0, unusedShutter1;
+    uint rouletteRule, directionSampling;  // ROULETTE_*, DIRECTION_*
+    uint shadowDepth;                      // bounces after which shadow rays are skipped
+    uint unusedRule;
+    float clampDirect, clampIndirect;      // of light that scattered once, and more often
+    float leastAlpha;                      // behind rough surfaces
+    float rouletteSurvival;                // of ROULETTE_CONSTANT
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
-    vec4 irradiance[9];   // of the environment, integrators/ambient.glsl
-    vec4 integrator;      // x: reach of ambient occlusion, m; y: VIEW_*; raster: z: near plane, w: far plane
-    vec4 fogLower;        // xyz: of the box that it fills; w: anisotropy g
-    vec4 fogUpper;        // xyz: likewise; w: 1 if there is fog
-    vec4 fogScattering;   // rgb, 1/m
-    vec4 fogAbsorption;   // rgb, 1/m
-    uvec4 cameraMedia;    // solids around the camera, path/media_stack.glsl
-    uvec4 culling;        // x: CULLING_*, y: 1 if the camera clips
-    vec4 clipping;        // where it does: x: from, y: to, m along the view direction
-    uvec4 nesting;        // x: 1 if a ray may be in several solids, or starts in one
-    uvec4 lights;         // x: LIGHTS_*; y: groups that LIGHTS_ALL asks
-    vec4 extent;          // x: m that holds every coordinate and distance of the scene
+    vec4 irradiance[9];                    // of the environment, integrators/ambient.glsl
+    float occlusionDistance;               // m
+    float view;                            // VIEW_*
+    float nearPlane, farPlane;             // m, of the raster integrator
+    vec3 fogLower; float fogAnisotropy;    // of the box that fog fills; g
+    vec3 fogUpper; float fogThere;         // 1 if there is fog
+    vec3 fogScattering; float unusedScattering;  // 1/m
+    vec3 fogAbsorption; float unusedAbsorption;  // 1/m
+    uvec4 cameraMedia;                     // solids around the camera, path/media_stack.glsl
+    uint cullingKind, cameraClips;         // CULLING_*; 1 if the camera clips
+    vec2 clipping;                         // where it does: from, to, m along the view direction
+    uint mediaNest;                        // 1 if a ray may be in several solids, or starts in one
+    uint lightSelection, lightGroups;      // LIGHTS_*; groups that LIGHTS_ALL asks
+    float extent;                          // m that holds every coordinate and distance of the scene
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -334,84 +288,8 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 544 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(sizeof(FrameParameters) == 496 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 28);
-
-// One per material; texel k holds bytes 16k … 16k + 15. What the members mean stands at Material
-// (worker/scene/scene.h); texels from 7 on are read only where a feature asks for them.
-struct MaterialRecord {
-    vec3 baseColor; float alpha;                                                                  // 0
-    vec3 emission; float alphaCutoff;                                                             // 1
-    float metallic, roughness, normalScale, ior;                                                  // 2
-    float transmission; uint flags; uint albedoTable; float dispersion;                           // 3
-    vec3 absorption; float orenNayarSigma;                                                        // 4, σ_a 1/m, σ rad
-    uint baseColorTexture, metallicRoughnessTexture, normalTexture, emissionTexture;              // 5
-    uint transmissionTexture, specularTexture, specularColorTexture, clearcoatTexture;            // 6
-    vec3 specularColor; float specular;                                                           // 7
-    float clearcoat, clearcoatRoughness, clearcoatNormalScale, specularTint;                      // 8
-    uint clearcoatRoughnessTexture, clearcoatNormalTexture, sheenColorTexture, sheenRoughnessTexture;  // 9
-    vec3 sheenColor; float sheenRoughness;                                                        // 10
-    float anisotropy, anisotropyCos, anisotropySin, subsurface;                                   // 11
-    float iridescence, iridescenceIor, iridescenceThicknessMinimum, iridescenceThicknessMaximum;  // 12, nm
-    uint anisotropyTexture, iridescenceTexture, iridescenceThicknessTexture, diffuseTransmissionTexture;  // 13
-    vec3 diffuseTransmissionColor; float diffuseTransmission;                                     // 14
-    vec3 conductorEta; float disneySheen;                                                         // 15
-    vec3 conductorK; float disneySheenTint;                                                       // 16
-    uint diffuseTransmissionColorTexture, coatTable, sheenTable; uint unused;                     // 17
-};
-static_assert(sizeof(MaterialRecord) == 16 * MATERIAL_TEXELS);
-
-struct TextureRecord {
-    uint firstTexel, width, height, flags;
-    vec2 du, dv;  // uv' = du * u + dv * v + offset
-    vec2 offset; uint unused[2];
-};
-static_assert(sizeof(TextureRecord) == 16 * TEXTURE_TEXELS);
-
-// LIGHT_TRIANGLE: corner p, edges a and b, radiance. Punctual: position p, direction a, intensity
-// (W/sr; W/m² for directional), b = (cos inner, cos outer, range). LIGHT_ENVIRONMENT: the rest unused.
-// LIGHT_QUAD: corner p, edges a ⟂ b, radiance; emits towards a × b, `primitive` is 1 if both ways.
-// LIGHT_SPHERE: centre p, a.x radius, radiance. LIGHT_SUN: direction a, b.x = 1 − cos θmax, radiance.
-// `pmf` is the probability of being chosen where no tree chooses; with LIGHTS_ALL within the light's group.
-struct LightRecord {
-    uint type; uint primitive; float pmf; float area;
-    vec3 p; float red;
-    vec3 a; float green;
-    vec3 b; float blue;
-};
-static_assert(sizeof(LightRecord) == 16 * LIGHT_TEXELS);
-
-// A surface that is not made of triangles. World space is `centre` + toWorld · own space; rows of the matrices.
-struct ShapeRecord {
-    uint kind, material, flags, program;  // program: first texel of a field's instructions in the same buffer
-    vec3 toShape0; float centreX;
-    vec3 toShape1; float centreY;
-    vec3 toShape2; float centreZ;
-    vec3 toWorld0; float size0;
-    vec3 toWorld1; float size1;
-    vec3 toWorld2; float size2;
-    vec3 extent; uint instructions;  // of a field: half sides of the box around the origin that holds it
-};
-static_assert(sizeof(ShapeRecord) == 16 * SHAPE_TEXELS);
-
-// Walker's alias method: keep the index when 32 random bits are below `threshold`, else take `alias`.
-// The table of lights also has each light's way down the light tree: bit k is set where it takes the second
-// child of the k-th node. With LIGHTS_ALL there is a table for each group, all in one, and the k-th `trail` is the first
-// light of the k-th group.
-struct AliasRecord {
-    uint threshold, alias; float pmf; uint trail;
-};
-
-// A subtree of lights: a sphere around them, a cone of half angle θo around `axis` with all their normals, the
-// angle θe beyond their normals into which they still emit, and the sum of their greatest intensities
-// (luminance, W/sr, in units of the largest of the scene). LIGHT_TREE_INFINITE: the cone holds the directions
-// towards the lights and `intensity` is irradiance.
-struct LightTreeChild {
-    vec3 centre; float radius;
-    vec3 axis; float intensity;
-    float cosThetaO, cosThetaE; uint flags, reference;
-};
-static_assert(sizeof(LightTreeChild) == 16 * LIGHT_TREE_CHILD_TEXELS);
 
 /// The mask of one FEATURE_*.
 constexpr uint64_t bit(uint32_t feature) {

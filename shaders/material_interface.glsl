@@ -10,41 +10,38 @@ float textured(float factor, uint index, uint channel, Surface s) {
 
 // KHR_materials_specular and Disney's specularTint.
 void readSpecular(Surface s, inout MaterialPoint m) {
-    uvec4 textures = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 6u);
-    vec4 specular = materialTexel(s.material, 7u);
-    m.specular = textured(specular.a, textures.y, 3u, s);
-    m.specularColor = specular.rgb;
-    if (has(FEATURE_TEXTURES) && textures.z != NO_INDEX) m.specularColor *= sampleTexture(textures.z, s.uv0, s.uv1).rgb;
-    float tint = materialTexel(s.material, 8u).w;
+    m.specular = textured(materialSpecular(s.material), materialSpecularTexture(s.material), 3u, s);
+    m.specularColor = materialSpecularColor(s.material);
+    uint colorTexture = materialSpecularColorTexture(s.material);
+    if (has(FEATURE_TEXTURES) && colorTexture != NO_INDEX) m.specularColor *= sampleTexture(colorTexture, s.uv0, s.uv1).rgb;
+    float tint = materialSpecularTint(s.material);
     float light = luminance(m.baseColor);
     if (tint > 0.0 && light > 0.0) m.specularColor *= mix(vec3(1), m.baseColor / light, tint);
 }
 
 // KHR_materials_anisotropy: the roughness along the direction of the grooves' reach.
 void readAnisotropy(Surface s, inout MaterialPoint m) {
-    float strength = materialTexel(s.material, 11u).x;
-    uint index = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 13u).x;
-    strength = textured(strength, index, 2u, s);
+    float strength = textured(materialAnisotropy(s.material), materialAnisotropyTexture(s.material), 2u, s);
     if (strength > 0.0) m.alphaT = mix(m.alpha, 1.0, strength * strength);
 }
 
 void readIridescence(Surface s, inout MaterialPoint m) {
-    uvec4 textures = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 13u);
-    vec4 film = materialTexel(s.material, 12u);
-    m.iridescence = textured(film.x, textures.y, 0u, s);
-    m.iridescenceIor = film.y;
-    float share = textures.z == NO_INDEX ? 1.0 : textured(1.0, textures.z, 1u, s);
-    m.iridescenceThickness = mix(film.z, film.w, share);
+    m.iridescence = textured(materialIridescence(s.material), materialIridescenceTexture(s.material), 0u, s);
+    m.iridescenceIor = materialIridescenceIor(s.material);
+    uint thicknessTexture = materialIridescenceThicknessTexture(s.material);
+    float share = thicknessTexture == NO_INDEX ? 1.0 : textured(1.0, thicknessTexture, 1u, s);
+    m.iridescenceThickness =
+        mix(materialIridescenceThicknessMinimum(s.material), materialIridescenceThicknessMaximum(s.material), share);
 }
 
-void readInterface(Surface s, float dispersion, inout MaterialPoint m) {
+void readInterface(Surface s, inout MaterialPoint m) {
     if (has(FEATURE_SPECULAR_COLOR)) readSpecular(s, m);
     if (has(FEATURE_ANISOTROPY)) readAnisotropy(s, m);
     if (has(FEATURE_IRIDESCENCE)) readIridescence(s, m);
-    if (has(FEATURE_DISPERSION)) m.dispersion = dispersion;
+    if (has(FEATURE_DISPERSION)) m.dispersion = materialDispersion(s.material);
     if (has(FEATURE_CONDUCTOR) && (m.flags & MATERIAL_CONDUCTOR) != 0u) {
-        m.conductorEta = materialTexel(s.material, 15u).xyz;
-        m.conductorK = materialTexel(s.material, 16u).xyz;
+        m.conductorEta = materialConductorEta(s.material);
+        m.conductorK = materialConductorK(s.material);
     }
 }
 

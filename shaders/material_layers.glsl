@@ -4,18 +4,17 @@
 
 #include "bsdf/albedo_table.glsl"
 
-uvec4 materialWords(uint material, uint texel) { return LOAD(materialTexels, material * MATERIAL_TEXELS + texel); }
-
 vec4 textureOrOne(uint index, vec2 uv0, vec2 uv1) {
     return has(FEATURE_TEXTURES) && index != NO_INDEX ? sampleTexture(index, uv0, uv1) : vec4(1);
 }
 
 // x: weight, y: microfacet α.
 vec2 clearcoatAt(uint material, vec2 uv0, vec2 uv1) {
-    vec4 coat = materialTexel(material, 8u);
-    if (!(coat.x > 0.0)) return vec2(0);
-    float roughness = coat.y * textureOrOne(materialWords(material, 9u).x, uv0, uv1).g;
-    return vec2(coat.x * textureOrOne(materialWords(material, 6u).w, uv0, uv1).r, roughness * roughness);
+    float coat = materialClearcoat(material);
+    if (!(coat > 0.0)) return vec2(0);
+    float roughness = materialClearcoatRoughness(material) *
+                      textureOrOne(materialClearcoatRoughnessTexture(material), uv0, uv1).g;
+    return vec2(coat * textureOrOne(materialClearcoatTexture(material), uv0, uv1).r, roughness * roughness);
 }
 
 // What the coat lets through of emission that leaves at cosθ to the geometric normal. Light sampling and paths
@@ -23,7 +22,7 @@ vec2 clearcoatAt(uint material, vec2 uv0, vec2 uv1) {
 float emissionThroughCoat(uint material, vec2 uv0, vec2 uv1, float cosTheta) {
     if (!has(FEATURE_CLEARCOAT)) return 1.0;
     vec2 coat = clearcoatAt(material, uv0, uv1);
-    return coat.x > 0.0 ? 1.0 - coat.x * reflectionAlbedo(materialWords(material, 17u).y, cosTheta, coat.y) : 1.0;
+    return coat.x > 0.0 ? 1.0 - coat.x * reflectionAlbedo(materialCoatTable(material), cosTheta, coat.y) : 1.0;
 }
 
 void readClearcoat(Surface s, inout MaterialPoint m) {
@@ -31,23 +30,25 @@ void readClearcoat(Surface s, inout MaterialPoint m) {
     m.clearcoat = coat.x;
     m.clearcoatAlpha = coat.y;
     m.clearcoatNormal = s.coatNormal * s.frame;
-    m.coatTable = materialWords(s.material, 17u).y;
+    m.coatTable = materialCoatTable(s.material);
 }
 
 void readSheen(Surface s, inout MaterialPoint m) {
-    vec4 sheen = materialTexel(s.material, 10u);
-    if (!(maxComponent(sheen.rgb) > 0.0)) return;
-    uvec4 textures = materialWords(s.material, 9u);
-    m.sheenColor = sheen.rgb * textureOrOne(textures.z, s.uv0, s.uv1).rgb;
-    m.sheenRoughness = sheen.a * textureOrOne(textures.w, s.uv0, s.uv1).a;
-    m.sheenTable = materialWords(s.material, 17u).z;
+    vec3 color = materialSheenColor(s.material);
+    if (!(maxComponent(color) > 0.0)) return;
+    m.sheenColor = color * textureOrOne(materialSheenColorTexture(s.material), s.uv0, s.uv1).rgb;
+    m.sheenRoughness = materialSheenRoughness(s.material) *
+                       textureOrOne(materialSheenRoughnessTexture(s.material), s.uv0, s.uv1).a;
+    m.sheenTable = materialSheenTable(s.material);
 }
 
 void readDiffuseTransmission(Surface s, inout MaterialPoint m) {
-    vec4 transmission = materialTexel(s.material, 14u);
-    if (!(transmission.a > 0.0)) return;
-    m.diffuseTransmission = transmission.a * textureOrOne(materialWords(s.material, 13u).w, s.uv0, s.uv1).a;
-    m.diffuseTransmissionColor = transmission.rgb * textureOrOne(materialWords(s.material, 17u).x, s.uv0, s.uv1).rgb;
+    float share = materialDiffuseTransmission(s.material);
+    if (!(share > 0.0)) return;
+    m.diffuseTransmission = share * textureOrOne(materialDiffuseTransmissionTexture(s.material), s.uv0, s.uv1).a;
+    m.diffuseTransmissionColor =
+        materialDiffuseTransmissionColor(s.material) *
+        textureOrOne(materialDiffuseTransmissionColorTexture(s.material), s.uv0, s.uv1).rgb;
 }
 
 // The inside of a solid has neither coat nor sheen: they lie on its outer side.
@@ -57,16 +58,16 @@ void readLayers(Surface s, inout MaterialPoint m) {
     if (has(FEATURE_CLEARCOAT)) readClearcoat(s, m);
     if (has(FEATURE_SHEEN)) readSheen(s, m);
     if (has(FEATURE_DISNEY_SHEEN)) {
-        m.disneySheen = materialTexel(s.material, 15u).a;
-        m.disneySheenTint = materialTexel(s.material, 16u).a;
+        m.disneySheen = materialDisneySheen(s.material);
+        m.disneySheenTint = materialDisneySheenTint(s.material);
     }
 }
 
 // After transmission, which decides what is a solid.
 void readOptionalLobes(Surface s, inout MaterialPoint m) {
     if (has(FEATURE_DIFFUSE_TRANSMISSION)) readDiffuseTransmission(s, m);
-    if (has(FEATURE_DISNEY_DIFFUSE)) m.subsurface = materialTexel(s.material, 11u).w;
-    if (has(FEATURE_OREN_NAYAR)) m.orenNayarSigma = materialTexel(s.material, 4u).w;
+    if (has(FEATURE_DISNEY_DIFFUSE)) m.subsurface = materialSubsurface(s.material);
+    if (has(FEATURE_OREN_NAYAR)) m.orenNayarSigma = materialOrenNayarSigma(s.material);
     readLayers(s, m);
 }
 

@@ -80,7 +80,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (found) {
             s = arrive(path, hit);
             m = materialAt(s);
-            if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.bounds.z);
+            if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.leastAlpha);
             if (path.bounce == 0u) {
                 result.albedo = m.baseColor;
                 result.normal = s.frame[2];
@@ -100,7 +100,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
             addEmission(path, s, m, hit.t);
         }
         if (has(FEATURE_TRACE)) recordStep(path.bounce, s.position, inFog ? flight.reach : hit.t, path, s.primitive);
-        bool last = scatterings(path) >= parameters.path.x;  // then it may still go straight on
+        bool last = scatterings(path) >= parameters.maxBounces;  // then it may still go straight on
         if (last && !(has(FEATURE_GLASS_SHADOWS) && !inFog && (m.flags & MATERIAL_PANE) != 0u)) {
             truncate(maxComponent(path.throughput));
             break;
@@ -132,7 +132,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
             truncate(carried);
             break;
         }
-        if (scatterings(path) + 1u >= parameters.path.y && !russianRoulette(path, u.w)) break;
+        if (scatterings(path) + 1u >= parameters.rouletteStart && !russianRoulette(path, u.w)) break;
     }
     if (has(FEATURE_FAULT_INJECTION) && randomBits(key, DIMENSION_INJECTION).x < INJECTION_THRESHOLD)
         path.radiance = vec3(uintBitsToFloat(0x7fc00000u));

@@ -44,14 +44,14 @@ float blackmanHarrisSample(float u) {
 // Where in the plane of pixels a sample of the pixel at (0, 0) lies.
 vec2 filterSample(vec2 u) {
     if (!has(FEATURE_PIXEL_FILTER)) return u;
-    uint kind = uint(parameters.filtering.x);
+    uint kind = uint(parameters.filterKind);
     if (kind == FILTER_PIXEL) return u;
     vec2 offset = vec2(0);
     if (kind == FILTER_BOX) offset = 2.0 * u - 1.0;
     else if (kind == FILTER_TENT) offset = tentSample(u);
     else if (kind == FILTER_GAUSSIAN) offset = gaussianSample(u);
     else if (kind == FILTER_BLACKMAN_HARRIS) offset = vec2(blackmanHarrisSample(u.x), blackmanHarrisSample(u.y));
-    return 0.5 + parameters.filtering.y * offset;
+    return 0.5 + parameters.filterRadius * offset;
 }
 
 #endif

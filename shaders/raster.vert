@@ -57,15 +57,15 @@ vec3 boxCorner(uint shape, uint i) {
 vec3 filmPosition(vec3 position, out float ahead) {
     SampleKey key = frameKey(pass.firstSample);
     CameraPose pose = cameraPose(key);
-    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC;
+    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraKind == CAMERA_ORTHOGRAPHIC;
     vec3 shift = vec3(0);
-    if (has(FEATURE_THIN_LENS) && parameters.lens.x > 0.0 && !flat_) shift = lensShift(key, pose);
+    if (has(FEATURE_THIN_LENS) && parameters.lensRadius > 0.0 && !flat_) shift = lensShift(key, pose);
     vec3 d = position - (pose.origin + shift);
     ahead = dot(d, pose.forward);
-    d += ahead * parameters.lens.y * shift;
+    d += ahead * parameters.lensInverseFocus * shift;
     float w = flat_ ? 1.0 : ahead;
     vec2 ndc = vec2(dot(d, pose.right) / dot(pose.right, pose.right), dot(d, pose.up) / dot(pose.up, pose.up));
-    return vec3(0.5 * (vec2(ndc.x, -ndc.y) + w) * vec2(parameters.image.xy), w);
+    return vec3(0.5 * (vec2(ndc.x, -ndc.y) + w) * vec2(parameters.imageSize), w);
 }
 
 void main() {
@@ -89,7 +89,7 @@ void main() {
     // A fragment lies at the middle of its pixel.
     uvec4 block = drawnBlock();
     vec2 raster = film.xy + film.z * (0.5 - rasterOffset(pass.firstSample) - vec2(block.xy));
-    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC;
-    float depth = flat_ ? 1.0 - ahead / parameters.integrator.w : parameters.integrator.z;
+    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraKind == CAMERA_ORTHOGRAPHIC;
+    float depth = flat_ ? 1.0 - ahead / parameters.farPlane : parameters.nearPlane;
     gl_Position = vec4(2.0 * raster / vec2(block.zw) - film.z, depth, film.z);
 }

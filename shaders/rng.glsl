@@ -56,8 +56,8 @@ uvec4 independentBits(SampleKey key, uint dimension) {
 
 // The four numbers of a block, from the sampler that the job chose; each is uniform by itself.
 uvec4 randomBits(SampleKey key, uint dimension) {
-    if (has(FEATURE_SOBOL_SAMPLER) && parameters.sampling.x == SAMPLER_SOBOL) return sobolBits(key, dimension);
-    if (has(FEATURE_STRATIFIED_SAMPLER) && parameters.sampling.x == SAMPLER_STRATIFIED)
+    if (has(FEATURE_SOBOL_SAMPLER) && parameters.samplerKind == SAMPLER_SOBOL) return sobolBits(key, dimension);
+    if (has(FEATURE_STRATIFIED_SAMPLER) && parameters.samplerKind == SAMPLER_STRATIFIED)
         return stratifiedBits(key, dimension);
     return independentBits(key, dimension);
 }

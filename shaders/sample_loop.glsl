@@ -28,7 +28,7 @@ void main() {
     else if (FILM_STRIDE > FILM_TEXELS) clearExtra(FILM_STRIDE * at + FILM_TEXELS);
     SampleKey key;
     key.pixel = pixel.x | pixel.y << 16u;
-    key.stream = streamKey(parameters.image.z, parameters.image.w);
+    key.stream = streamKey(parameters.seed, parameters.frame);
     uint dropped = 0u;
     for (uint i = 0u; i < pass.sampleCount; i++) {
         key.index = pass.firstSample + i * pass.sampleStride;

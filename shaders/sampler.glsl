@@ -82,7 +82,7 @@ uint withinStratum(uint index, uint side, uint bits) {
 
 // Both pairs of a block on a jittered grid of side² cells, in an order of their own; grids follow each other.
 uvec4 stratifiedBits(SampleKey key, uint dimension) {
-    uint side = parameters.sampling.y, cells = side * side;
+    uint side = parameters.strata, cells = side * side;
     uint grid = key.index / cells, i = key.index - grid * cells;
     uvec4 bits = independentBits(key, dimension);
     uvec4 seeds = pcg4d(uvec4(key.pixel, grid, dimension, key.stream ^ 0x73747261u));

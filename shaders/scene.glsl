@@ -39,6 +39,8 @@ layout(binding = BINDING_ALBEDO_TABLES) uniform samplerBuffer albedoTexels;
 layout(binding = BINDING_LIGHT_TREE) uniform usamplerBuffer lightTreeTexels;
 layout(binding = BINDING_SHAPES) uniform usamplerBuffer shapeTexels;
 
+#include "gpu_readers.glsl"
+
 layout(std430, binding = BINDING_PARAMETERS) readonly buffer Parameters { FrameParameters parameters; };
 
 #endif

@@ -47,7 +47,7 @@ void startOn(Surface s, inout Ray ray) {
     if (!has(FEATURE_COINCIDENT_FACES)) return;
     float sine = abs(dot(s.geometricNormal, ray.direction));
     ray.startNormal = packStartNormal(s.geometricNormal);
-    ray.startReach = sine > 0.0 ? kStartReach * parameters.extent.x / sine : 0.0;
+    ray.startReach = sine > 0.0 ? kStartReach * parameters.extent / sine : 0.0;
 }
 
 // Corners of the triangle that was hit: a texel holds one coordinate of all three.
@@ -119,9 +119,9 @@ vec3 mappedNormal(vec4 tangent, float handedness, vec3 n, uint normalTexture, fl
 // The coat lies over the bumps of the base: it has a normal map of its own, or none.
 vec3 coatNormal(Surface s, vec4 tangent, vec3 n, vec3 wo) {
     if (has(FEATURE_NORMAL_MAPS)) {
-        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 9u).y;
+        uint normalTexture = materialClearcoatNormalTexture(s.material);
         if (normalTexture != NO_INDEX) {
-            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 8u).z);
+            float scale = materialClearcoatNormalScale(s.material);
             n = mappedNormal(tangent, tangent.w, n, normalTexture, scale, s.uv0, s.uv1);
         }
     }
@@ -134,10 +134,10 @@ vec3 coatNormal(Surface s, vec4 tangent, vec3 n, vec3 wo) {
 mat3 shadingFrame(Surface s, vec4 tangent, vec3 ns, vec3 n) {
     mat3 frame = frameAround(n);
     if (!has(FEATURE_ANISOTROPY)) return frame;
-    vec3 anisotropy = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 11u).xyz);
+    vec3 anisotropy = vec3(materialAnisotropy(s.material), materialAnisotropyCos(s.material), materialAnisotropySin(s.material));
     if (!(anisotropy.x > 0.0)) return frame;
     vec2 turn = anisotropy.yz;
-    uint index = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 13u).x;
+    uint index = materialAnisotropyTexture(s.material);
     if (has(FEATURE_TEXTURES) && index != NO_INDEX) {
         vec2 d = sampleTexture(index, s.uv0, s.uv1).xy * 2.0 - 1.0;
         turn = vec2(turn.x * d.x - turn.y * d.y, turn.y * d.x + turn.x * d.y);
@@ -168,9 +168,9 @@ Surface shapeSurface(Hit hit, Ray ray) {
     vec3 ns = p.normal;
     if (has(FEATURE_CLEARCOAT)) s.coatNormal = coatNormal(s, p.tangent, ns, -ray.direction);
     if (has(FEATURE_NORMAL_MAPS)) {
-        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
+        uint normalTexture = materialNormalTexture(s.material);
         if (normalTexture != NO_INDEX) {
-            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 2u).z);
+            float scale = materialNormalScale(s.material);
             ns = mappedNormal(p.tangent, p.tangent.w, ns, normalTexture, scale, s.uv0, s.uv1);
         }
     }
@@ -227,9 +227,9 @@ Surface surfaceAt(Hit hit, Ray ray) {
         s.coatNormal = coatNormal(s, tangent, ns, wo);
     }
     if (has(FEATURE_NORMAL_MAPS)) {
-        uint normalTexture = LOAD(materialTexels, s.material * MATERIAL_TEXELS + 5u).z;
+        uint normalTexture = materialNormalTexture(s.material);
         if (normalTexture != NO_INDEX) {
-            float scale = uintBitsToFloat(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 2u).z);
+            float scale = materialNormalScale(s.material);
             ns = mappedNormal(interpolateTexel(v, b, 2u), vertexTexel(v.a, 2u).w, ns, normalTexture, scale, s.uv0, s.uv1);
         }
     }

@@ -13,7 +13,7 @@ vec3 colorOf(uint number) {
 }
 
 vec3 shown(Surface s, MaterialPoint m, float t) {
-    switch (uint(parameters.integrator.y)) {
+    switch (uint(parameters.view)) {
         case VIEW_ALBEDO: return m.baseColor;
         case VIEW_NORMAL: return 0.5 + 0.5 * s.frame[2];
         case VIEW_GEOMETRIC_NORMAL: return 0.5 + 0.5 * s.geometricNormal;

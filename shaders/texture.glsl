@@ -2,12 +2,6 @@
 #ifndef TEXTURE_GLSL
 #define TEXTURE_GLSL
 
-struct Texture {
-    uint firstTexel;
-    ivec2 size;
-    uint flags;
-};
-
 // IEC 61966-2-1.
 vec3 srgbToLinear(vec3 c) {
     return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
@@ -21,10 +15,10 @@ int wrapCoordinate(int i, int n, uint mode) {
     return i < n ? i : period - 1 - i;
 }
 
-vec4 textureTexel(Texture t, ivec2 at) {
-    at.x = wrapCoordinate(at.x, t.size.x, (t.flags >> TEXTURE_WRAP_S_SHIFT) & 3u);
-    at.y = wrapCoordinate(at.y, t.size.y, (t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u);
-    int index = int(t.firstTexel) + at.y * t.size.x + at.x;
+vec4 texelOf(TextureRecord t, ivec2 at) {
+    at.x = wrapCoordinate(at.x, int(t.width), (t.flags >> TEXTURE_WRAP_S_SHIFT) & 3u);
+    at.y = wrapCoordinate(at.y, int(t.height), (t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u);
+    int index = int(t.firstTexel) + at.y * int(t.width) + at.x;
     if (has(FEATURE_FLOAT_TEXTURES) && (t.flags & TEXTURE_FLOAT) != 0u) return texelFetch(texels32, index);
     vec4 texel = texelFetch(texels8, index);
     // Decoded before filtering: blending encoded values darkens edges.
@@ -34,25 +28,20 @@ vec4 textureTexel(Texture t, ivec2 at) {
 
 // Value of texture `index` at the texture coordinates of a surface point.
 vec4 sampleTexture(uint index, vec2 uv0, vec2 uv1) {
-    uvec4 head = LOAD(textureTexels, index * TEXTURE_TEXELS);
-    Texture t = Texture(head.x, ivec2(head.yz), head.w);
+    TextureRecord t = loadTextureRecord(index);
     vec2 uv = has(FEATURE_SECOND_UV_SET) && (t.flags & TEXTURE_UV1) != 0u ? uv1 : uv0;
-    if (has(FEATURE_TEXTURE_TRANSFORMS) && (t.flags & TEXTURE_TRANSFORM) != 0u) {
-        vec4 axes = uintBitsToFloat(LOAD(textureTexels, index * TEXTURE_TEXELS + 1u));
-        vec2 offset = uintBitsToFloat(LOAD(textureTexels, index * TEXTURE_TEXELS + 2u).xy);
-        uv = axes.xy * uv.x + axes.zw * uv.y + offset;
-    }
+    if (has(FEATURE_TEXTURE_TRANSFORMS) && (t.flags & TEXTURE_TRANSFORM) != 0u) uv = t.du * uv.x + t.dv * uv.y + t.offset;
     // Far outside the unit square the integer texel would overflow; wrapping has the period 2.
     uv -= 2.0 * floor(0.5 * clamp(uv, vec2(-1e9), vec2(1e9))) * vec2(notEqual(uvec2(t.flags >> TEXTURE_WRAP_S_SHIFT, t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u, uvec2(2u)));
-    vec2 at = clamp(uv, vec2(-1e4), vec2(1e4)) * vec2(t.size);
+    vec2 at = clamp(uv, vec2(-1e4), vec2(1e4)) * vec2(t.width, t.height);
     if (has(FEATURE_NEAREST_FILTER) && (t.flags & TEXTURE_LINEAR_FILTER) == 0u)
-        return textureTexel(t, ivec2(floor(at)));
+        return texelOf(t, ivec2(floor(at)));
     at -= 0.5;
     vec2 cell = floor(at);
     vec2 f = at - cell;
     ivec2 c = ivec2(cell);
-    vec4 top = mix(textureTexel(t, c), textureTexel(t, c + ivec2(1, 0)), f.x);
-    vec4 bottom = mix(textureTexel(t, c + ivec2(0, 1)), textureTexel(t, c + ivec2(1, 1)), f.x);
+    vec4 top = mix(texelOf(t, c), texelOf(t, c + ivec2(1, 0)), f.x);
+    vec4 bottom = mix(texelOf(t, c + ivec2(0, 1)), texelOf(t, c + ivec2(1, 1)), f.x);
     return mix(top, bottom, f.y);
 }
 

@@ -30,7 +30,7 @@ bool truncated;
 
 void follow(Branch branch) {
     if (maxComponent(branch.weight) < kLeastWeight) return;
-    if (branch.depth > parameters.path.x || waitingCount == kMostWaiting)
+    if (branch.depth > parameters.maxBounces || waitingCount == kMostWaiting)
         truncated = true;
     else
         waiting[waitingCount++] = branch;
@@ -119,7 +119,7 @@ vec3 lightAlong(SampleKey key, Branch branch, inout PathSample result) {
     if ((m.flags & MATERIAL_EMISSIVE) != 0u && emitsTowards(m.flags, s.frontFace)) light += m.emission;
     vec3 wo = -branch.ray.direction * s.frame;
     PhongPoint p = phongAt(m, s.frontFace, max(wo.z, 0.0));
-    if (branch.depth < parameters.path.x) light += shaded(key, branch.depth, s, p, wo);
+    if (branch.depth < parameters.maxBounces) light += shaded(key, branch.depth, s, p, wo);
     branchOut(branch, s, m, p);
     return branch.weight * light;
 }

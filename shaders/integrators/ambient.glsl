@@ -8,7 +8,7 @@
 vec3 environmentIrradiance(vec3 n) {
     if (!has(FEATURE_ENVIRONMENT)) return vec3(0);
     if (environmentTurned()) {
-        float angle = parameters.environmentPdf.z * TWO_PI;
+        float angle = parameters.environmentTurns * TWO_PI;
         float c = cos(angle), s = sin(angle);
         n.xz = vec2(c * n.x - s * n.z, s * n.x + c * n.z);
     }
@@ -24,13 +24,12 @@ vec3 environmentRadiance(vec3 direction) { return has(FEATURE_ENVIRONMENT) ? env
 
 // What a ray that leaves the scene meets, disks of suns included. `seen`: by the camera itself.
 vec3 radianceFromOutside(vec3 direction, bool seen) {
-    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && seen) return vec3(0);
+    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentHidden != 0.0 && seen) return vec3(0);
     vec3 sum = environmentRadiance(direction);
     if (!has(FEATURE_SUN_LIGHTS)) return sum;
-    for (uint i = 0u; i < parameters.environment.w; i++) {
-        vec4 p = lightTexel(parameters.environment.z + i, 1u), a = lightTexel(parameters.environment.z + i, 2u),
-             b = lightTexel(parameters.environment.z + i, 3u);
-        if (sunCovers(-a.xyz, b.x, direction)) sum += vec3(p.w, a.w, b.w);
+    for (uint i = 0u; i < parameters.sunCount; i++) {
+        LightRecord sun = loadLightRecord(parameters.firstSun + i);
+        if (meetsSunLight(sun, direction)) sum += lightValue(sun);
     }
     return sum;
 }

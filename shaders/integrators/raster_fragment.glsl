@@ -5,12 +5,12 @@ layout(location = 0) out uvec4 seen;
 
 // Metres from the camera's plane to what is drawn.
 float aheadOfFragment() {
-    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC;
-    return flat_ ? (1.0 - gl_FragCoord.z) * parameters.integrator.w : 1.0 / gl_FragCoord.w;
+    bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraKind == CAMERA_ORTHOGRAPHIC;
+    return flat_ ? (1.0 - gl_FragCoord.z) * parameters.farPlane : 1.0 / gl_FragCoord.w;
 }
 
 bool isClipped() {
-    if (!has(FEATURE_CULLING) || parameters.culling.y == 0u) return false;
+    if (!has(FEATURE_CULLING) || parameters.cameraClips == 0u) return false;
     float ahead = aheadOfFragment();
     return ahead < parameters.clipping.x || ahead > parameters.clipping.y;
 }
@@ -30,9 +30,9 @@ void main() {
     if ((tag & kBvhShape) != 0u) {
         Hit hit;
         if (!hitShapeAlone(slot, ray, hit)) discard;
-        bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraForward.w == CAMERA_ORTHOGRAPHIC;
+        bool flat_ = has(FEATURE_ORTHOGRAPHIC) && parameters.cameraKind == CAMERA_ORTHOGRAPHIC;
         float ahead = hit.t * dot(ray.direction, cameraPose(frameKey(pass.firstSample)).forward);
-        gl_FragDepth = flat_ ? 1.0 - ahead / parameters.integrator.w : parameters.integrator.z / ahead;
+        gl_FragDepth = flat_ ? 1.0 - ahead / parameters.farPlane : parameters.nearPlane / ahead;
         return;
     }
 #endif

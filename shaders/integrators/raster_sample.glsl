@@ -3,7 +3,7 @@
 #ifndef RASTER_SAMPLE_GLSL
 #define RASTER_SAMPLE_GLSL
 
-SampleKey frameKey(uint index) { return SampleKey(0u, index, streamKey(parameters.image.z, parameters.image.w)); }
+SampleKey frameKey(uint index) { return SampleKey(0u, index, streamKey(parameters.seed, parameters.frame)); }
 
 // Of a pixel, from its corner: the R2 sequence (Roberts 2018) from the middle on, through the pixel filter.
 vec2 rasterOffset(uint index) {
@@ -13,8 +13,8 @@ vec2 rasterOffset(uint index) {
 // x, y, width, height. Blocks are all of one size, so that where a triangle's edge lies does not depend on what else is
 // drawn; those at the right and the bottom may reach beyond the image.
 uvec4 drawnBlock() {
-    uvec2 size = min(parameters.image.xy, uvec2(RASTER_BLOCK));
-    uint columns = (parameters.image.x + RASTER_BLOCK - 1u) / RASTER_BLOCK;
+    uvec2 size = min(parameters.imageSize, uvec2(RASTER_BLOCK));
+    uint columns = (parameters.imageSize.x + RASTER_BLOCK - 1u) / RASTER_BLOCK;
     return uvec4(uvec2(pass.block % columns, pass.block / columns) * RASTER_BLOCK, size);
 }
 

@@ -14,33 +14,38 @@ float sinOfDifference(float sinA, float cosA, float sinB, float cosB) {
 }
 float sinOf(float cosine) { return sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))); }
 
+LightTreeChild loadLightTreeChild(uint texel) {
+    return unpackLightTreeChild(LOAD(lightTreeTexels, texel), LOAD(lightTreeTexels, texel + 1u),
+                                LOAD(lightTreeTexels, texel + 2u));
+}
+
+AliasRecord lightAlias(uint index) { return unpackAliasRecord(LOAD(lightAliasTexels, index)); }
+
 // What the lights of a subtree can send to a plane with normal n at p, or to any plane there where n is zero; times a
 // factor that is the scene's. Never 0 where light can arrive on the side of n.
 float lightTreeImportance(uint texel, vec3 p, vec3 n) {
-    vec4 place = LOAD_FLOATS(lightTreeTexels, texel);
-    vec4 emission = LOAD_FLOATS(lightTreeTexels, texel + 1u);
-    uvec4 more = LOAD(lightTreeTexels, texel + 2u);
-    float cosO = uintBitsToFloat(more.x), cosE = uintBitsToFloat(more.y);
+    LightTreeChild child = loadLightTreeChild(texel);
+    float cosO = child.cosThetaO, cosE = child.cosThetaE;
     float sinO = sinOf(cosO);
     bool anyPlane = n == vec3(0);
-    if ((more.z & LIGHT_TREE_INFINITE) != 0u) {
-        float cosI = dot(n, emission.xyz);
-        return anyPlane ? emission.w : emission.w * max(0.0, cosOfDifference(sinOf(cosI), cosI, sinO, cosO));
+    if ((child.flags & LIGHT_TREE_INFINITE) != 0u) {
+        float cosI = dot(n, child.axis);
+        return anyPlane ? child.intensity : child.intensity * max(0.0, cosOfDifference(sinOf(cosI), cosI, sinO, cosO));
     }
-    vec3 away = p - place.xyz;
-    float distance2 = dot(away, away), radius2 = place.w * place.w;
+    vec3 away = p - child.centre;
+    float distance2 = dot(away, away), radius2 = child.radius * child.radius;
     away *= inversesqrt(max(distance2, 1e-37));
     // Half the angle that the lights fill, all around for a point among them.
     bool inside = distance2 <= radius2;
     float sinB = inside ? 0.0 : sqrt(radius2 / distance2), cosB = inside ? -1.0 : sqrt(1.0 - sinB * sinB);
     // From the axis, less the spread of the normals, less that angle: how far beyond a normal the point can be at least.
-    float cosW = dot(emission.xyz, away);
-    if ((more.z & LIGHT_TREE_TWO_SIDED) != 0u) cosW = abs(cosW);
+    float cosW = dot(child.axis, away);
+    if ((child.flags & LIGHT_TREE_TWO_SIDED) != 0u) cosW = abs(cosW);
     float sinW = sinOf(cosW);
     float cosX = cosOfDifference(sinW, cosW, sinO, cosO), sinX = sinOfDifference(sinW, cosW, sinO, cosO);
     float cosP = cosOfDifference(sinX, cosX, sinB, cosB);
     if (cosP <= cosE) return 0.0;
-    float importance = emission.w * cosP / max(max(distance2, radius2), 1e-37);
+    float importance = child.intensity * cosP / max(max(distance2, radius2), 1e-37);
     if (anyPlane) return importance;
     float cosI = -dot(away, n);
     return importance * max(0.0, cosOfDifference(sinOf(cosI), cosI, sinB, cosB));
@@ -60,7 +65,7 @@ LightTreeFork lightTreeFork(uint node, vec3 p, vec3 n) {
     float less = min(first, second), sum = first + second;
     f.none = !(sum > 0.0);
     float share = f.none ? 0.0 : less / sum;
-    if (share > 0.0 && (LOAD(lightTreeTexels, node + 2u).z & LIGHT_TREE_BALANCED) != 0u) share = max(share, LIGHT_TREE_LEAST);
+    if (share > 0.0 && (loadLightTreeChild(node).flags & LIGHT_TREE_BALANCED) != 0u) share = max(share, LIGHT_TREE_LEAST);
     f.threshold = uint(share * 4294967296.0);
     return f;
 }
@@ -72,7 +77,7 @@ float lightTreeChance(LightTreeFork f, bool less) {
 }
 
 uint lightTreeReference(uint node, bool second) {
-    return LOAD(lightTreeTexels, node + (second ? LIGHT_TREE_CHILD_TEXELS : 0u) + 2u).w;
+    return loadLightTreeChild(node + (second ? LIGHT_TREE_CHILD_TEXELS : 0u)).reference;
 }
 
 // The next of a sequence seeded by 64 random bits (pcg2d of Jarzynski, Olano 2020): a number for each node, since
@@ -110,7 +115,7 @@ bool lightTreeSample(uvec2 random, vec3 p, vec3 n, out uint light, out float pmf
 
 // Probability that lightTreeSample finds this light from this point.
 float lightTreePmf(uint light, vec3 p, vec3 n) {
-    uint trail = LOAD(lightAliasTexels, light).w;
+    uint trail = lightAlias(light).trail;
     uint node = 0u;
     float pmf = 1.0;
     for (uint depth = 0u; depth < LIGHT_TREE_DEPTH && pmf > 0.0; depth++) {

@@ -1,8 +1,11 @@
 // Rectangles that emit, sampled uniformly by the solid angle they fill (Ureña, Fajardo, King 2013, An
 // Area-Preserving Parametrization for Spherical Rectangles). Where that angle is small the parametrization
 // loses its digits in fp32, and uniform by area is as good: pdf and sample decide alike which one it is.
+// LightRecord: corner p, edges a ⟂ b, `primitive` 1 if it emits to both sides, else 0: along a × b alone.
 #ifndef QUAD_LIGHT_GLSL
 #define QUAD_LIGHT_GLSL
+
+#include "light_sample.glsl"
 
 // sr. The angles of the parametrization are off by some 1e-6, so its points by 1e-4 of the rectangle at this.
 const float QUAD_LEAST_SOLID_ANGLE = 0.01;
@@ -83,6 +86,46 @@ float quadPdf(SphericalRectangle r, float distance) {
     if (!(r.solidAngle > 0.0)) return 0.0;
     if (r.solidAngle >= QUAD_LEAST_SOLID_ANGLE) return 1.0 / r.solidAngle;
     return distance * distance * distance / (r.h * (r.x1 - r.x0) * (r.y1 - r.y0));
+}
+
+bool sampleQuadLight(LightRecord light, float pmf, uvec4 bits, Surface s, inout LightSample l) {
+    SphericalRectangle r = sphericalRectangle(light.p, light.a, light.b, s.position);
+    if (!(r.solidAngle > 0.0) || !(r.front || light.primitive != 0u)) return false;
+    vec2 at = quadSample(r, unitFloat(bits.zw));
+    vec3 inPlane = vec3(at, r.h);
+    float distance = length(inPlane);
+    inPlane /= distance;
+    // Edges of a sliver far from the origin are at right angles only within the rounding of its corners.
+    l.wi = normalize(inPlane.x * r.x + inPlane.y * r.y + inPlane.z * r.z);
+    vec2 u = (at - vec2(r.x0, r.y0)) / vec2(r.x1 - r.x0, r.y1 - r.y0);
+    vec3 position = light.p + u.x * light.a + u.y * light.b;
+    vec3 error = gammaBound(7.0) * (abs(light.p) + abs(u.x * light.a) + abs(u.y * light.b));
+    l.radiance = lightValue(light);
+    l.pdf = pmf * quadPdf(r, distance);
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    l.target = offsetOrigin(position, error, r.z, -l.wi);
+    l.infinite = false;
+    return l.pdf > 0.0;
+}
+
+// Solid-angle pdf, 1/sr, with which a point of it at distance t from `from` is sampled.
+float quadLightPdf(LightRecord light, vec3 from, float t) {
+    return quadPdf(sphericalRectangle(light.p, light.a, light.b, from), t);
+}
+
+// All of it from its middle.
+bool centreOfQuadLight(LightRecord light, Surface s, inout LightSample l) {
+    SphericalRectangle r = sphericalRectangle(light.p, light.a, light.b, s.position);
+    if (!(r.solidAngle > 0.0) || !(r.front || light.primitive != 0u)) return false;
+    vec3 middle = light.p + 0.5 * light.a + 0.5 * light.b;
+    vec3 error = gammaBound(7.0) * (abs(light.p) + abs(0.5 * light.a) + abs(0.5 * light.b));
+    l.wi = normalize(middle - s.position);
+    l.radiance = lightValue(light);
+    l.pdf = 1.0 / r.solidAngle;
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    l.target = offsetOrigin(middle, error, r.z, -l.wi);
+    l.infinite = false;
+    return true;
 }
 
 #endif

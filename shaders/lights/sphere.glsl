@@ -1,8 +1,11 @@
 // Spheres that emit, sampled uniformly in the cone that they fill. By h = 1 − cos θmax = sin² / (1 + cos), which keeps
 // its digits for a small or far sphere (PBRT 4th ed., 6.2.4). A point within a sphere leaves it to the BSDF, which has
 // the light all around.
+// LightRecord: centre p, radius a.x.
 #ifndef SPHERE_LIGHT_GLSL
 #define SPHERE_LIGHT_GLSL
+
+#include "light_sample.glsl"
 
 struct SphereCone {
     vec3 towards;     // unit, the centre
@@ -46,5 +49,21 @@ vec3 sphereSample(SphereCone c, float radius, vec2 u, out float reach) {
     float sinTheta = sqrt(sinSquared);
     return normalize(frameAround(c.towards) * vec3(sinTheta * cos(phi), sinTheta * sin(phi), 1.0 - below));
 }
+
+bool sampleSphereLight(LightRecord light, float pmf, uvec4 bits, Surface s, inout LightSample l) {
+    SphereCone c = sphereCone(light.p, light.a.x, s.position);
+    if (!(c.h > 0.0)) return false;
+    float reach;
+    l.wi = sphereSample(c, light.a.x, unitFloat(bits.zw), reach);
+    l.radiance = lightValue(light);
+    l.pdf = pmf * spherePdf(c);
+    l.origin = offsetOrigin(s.position, s.positionError, s.geometricNormal, l.wi);
+    l.target = s.position + max(reach, 0.0) * l.wi;
+    l.infinite = false;
+    return l.pdf > 0.0;
+}
+
+// Solid-angle pdf, 1/sr, with which a direction towards it is sampled.
+float sphereLightPdf(LightRecord light, vec3 from) { return spherePdf(sphereCone(light.p, light.a.x, from)); }
 
 #endif

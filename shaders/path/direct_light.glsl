@@ -28,7 +28,7 @@ Medium mediumBehind(Medium near, Surface s, MaterialPoint m, Bsdf bsdf) {
 }
 
 LightWay lightWay(PathState path, Surface s, MaterialPoint m, Bsdf bsdf) {
-    bool shadows = !has(FEATURE_SHADOW_DEPTH) || scatterings(path) < parameters.rules.z;
+    bool shadows = !has(FEATURE_SHADOW_DEPTH) || scatterings(path) < parameters.shadowDepth;
     return LightWay(path.medium, isFogPoint(s) ? path.medium : mediumBehind(path.medium, s, m, bsdf), path.channel, shadows);
 }
 
@@ -93,7 +93,7 @@ vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Ligh
     LightSample l;
     if (lightsAll()) {
         vec3 sum = vec3(0);
-        for (uint group = 0u; group < parameters.lights.y; group++)
+        for (uint group = 0u; group < parameters.lightGroups; group++)
             if (sampleGroup(group, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
         return sum;
     }

@@ -16,14 +16,14 @@ float roughChance(Bsdf b) {
 
 // pdf of wi, 1/sr, as sampleDirection draws; `ofBsdf` is bsdfSample's.
 float directionPdf(Bsdf b, vec3 wi, float ofBsdf) {
-    if (parameters.rules.y == DIRECTION_BSDF) return ofBsdf;
-    if (parameters.rules.y == DIRECTION_UNIFORM) return roughChance(b) * (0.25 * INV_PI);
+    if (parameters.directionSampling == DIRECTION_BSDF) return ofBsdf;
+    if (parameters.directionSampling == DIRECTION_UNIFORM) return roughChance(b) * (0.25 * INV_PI);
     if (lightPasses(b)) return roughChance(b) * (0.5 * INV_PI) * abs(wi.z);
     return wi.z > 0.0 ? roughChance(b) * INV_PI * wi.z : 0.0;
 }
 
 vec3 crudeDirection(Bsdf b, vec2 u) {
-    if (parameters.rules.y == DIRECTION_UNIFORM) return uniformSphere(u);
+    if (parameters.directionSampling == DIRECTION_UNIFORM) return uniformSphere(u);
     if (!lightPasses(b)) return cosineHemisphere(u);
     bool below = u.x < 0.5;
     vec3 w = cosineHemisphere(vec2(2.0 * u.x - (below ? 0.0 : 1.0), u.y));
@@ -38,7 +38,7 @@ bool picksMirror(Bsdf b, float pick) {
 
 // False for a sample that carries nothing.
 bool sampleDirection(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
-    if (!has(FEATURE_DIRECTION_SAMPLING) || parameters.rules.y == DIRECTION_BSDF) return bsdfSample(b, wo, u, s);
+    if (!has(FEATURE_DIRECTION_SAMPLING) || parameters.directionSampling == DIRECTION_BSDF) return bsdfSample(b, wo, u, s);
     if (picksMirror(b, u.x)) return bsdfSample(b, wo, u, s) && s.delta;
     s.delta = s.blocked = false;
     s.wi = crudeDirection(b, u.yz);

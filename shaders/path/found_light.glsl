@@ -13,20 +13,18 @@ float emissionWeight(PathState path, float lightPdf) {
 
 void addSuns(inout PathState path) {
     if (!has(FEATURE_SUN_LIGHTS)) return;
-    for (uint i = 0u; i < parameters.environment.w; i++) {
-        uint light = parameters.environment.z + i;
-        vec3 towards = -lightTexel(light, 2u).xyz;
-        float h = lightTexel(light, 3u).x;
-        if (!sunCovers(towards, h, path.ray.direction)) continue;
-        float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), path.from, path.side);
-        vec3 radiance = vec3(lightTexel(light, 1u).w, lightTexel(light, 2u).w, lightTexel(light, 3u).w);
-        gather(path, radiance * emissionWeight(path, pmf * sunPdf(h)), scatteringsOfLight(path));
+    for (uint i = 0u; i < parameters.sunCount; i++) {
+        uint light = parameters.firstSun + i;
+        LightRecord sun = loadLightRecord(light);
+        if (!meetsSunLight(sun, path.ray.direction)) continue;
+        float pmf = lightPmf(light, sun.pmf, path.from, path.side);
+        gather(path, lightValue(sun) * emissionWeight(path, pmf * sunLightPdf(sun)), scatteringsOfLight(path));
     }
 }
 
 // What a ray that leaves the scene meets.
 void addEnvironment(inout PathState path) {
-    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentPdf.w != 0.0 && path.bounce == 0u) return;
+    if (has(FEATURE_HIDDEN_ENVIRONMENT) && parameters.environmentHidden != 0.0 && path.bounce == 0u) return;
     addSuns(path);
     if (!has(FEATURE_ENVIRONMENT)) return;
     vec4 environment = environmentAlong(path.ray.direction);

@@ -6,7 +6,7 @@
 #define MEDIA_STACK_GLSL
 
 // By data as well: a kernel may hold this code for a scene without such solids.
-bool mediaNest() { return has(FEATURE_NESTED_MEDIA) && parameters.nesting.x != 0u; }
+bool mediaNest() { return has(FEATURE_NESTED_MEDIA) && parameters.mediaNest != 0u; }
 
 bool isFull(uvec4 stack) { return stack.w != NO_INDEX; }
 
@@ -23,9 +23,9 @@ uvec4 withoutMedium(uvec4 stack, uint material) {
 
 // Index of refraction of a solid for the colour channel that a path follows (3: all).
 float solidIor(uint material, uint channel) {
-    float ior = materialTexel(material, 2u).w;
+    float ior = materialIor(material);
     if (ior == 0.0) return 1.5;  // KHR_materials_specular's mirror; what is refracted takes this (bsdf/interface.glsl)
-    if (has(FEATURE_DISPERSION) && channel < 3u) return dispersedIor(ior, materialTexel(material, 3u).w, channel);
+    if (has(FEATURE_DISPERSION) && channel < 3u) return dispersedIor(ior, materialDispersion(material), channel);
     return ior;
 }
 

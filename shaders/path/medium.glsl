@@ -21,12 +21,12 @@ Medium outside() { return Medium(vec3(0), false, uvec4(NO_INDEX)); }
 
 Medium innermost(uvec4 stack) {
     bool solid = stack.x != NO_INDEX;
-    return Medium(solid ? materialTexel(stack.x, 4u).rgb : vec3(0), solid, stack);
+    return Medium(solid ? materialAbsorption(stack.x) : vec3(0), solid, stack);
 }
 
-#define fogAnisotropy() (parameters.fogLower.w)
+#define fogAnisotropy() (parameters.fogAnisotropy)
 // By data as well: a kernel may hold fog's code for a scene without it.
-bool hasFog(Medium medium) { return has(FEATURE_FOG) && parameters.fogUpper.w > 0.0 && !medium.solid; }
+bool hasFog(Medium medium) { return has(FEATURE_FOG) && parameters.fogThere > 0.0 && !medium.solid; }
 
 // Points in fog take part in what surfaces do as a Surface without a normal: it sees lights on all sides, rays leave it
 // where it is, and no primitive is skipped.
@@ -46,7 +46,7 @@ bool isFogPoint(Surface s) { return has(FEATURE_FOG) && s.primitive == kNoPrimit
 // The part of a ray's [0, tMax] within the fog's box; (0, 0) if there is none.
 vec2 fogSpan(vec3 origin, vec3 direction, float tMax) {
     vec2 span = vec2(0, tMax);
-    vec3 lower = parameters.fogLower.xyz - origin, upper = parameters.fogUpper.xyz - origin;
+    vec3 lower = parameters.fogLower - origin, upper = parameters.fogUpper - origin;
     for (int axis = 0; axis < 3; axis++) {
         if (abs(direction[axis]) < 1e-37) {  // denormals count as 0, which must not divide 0
             if (lower[axis] > 0.0 || upper[axis] < 0.0) return vec2(0);
@@ -61,7 +61,7 @@ vec2 fogSpan(vec3 origin, vec3 direction, float tMax) {
 // What is left of light after a straight way through the fog.
 vec3 fogTransmittance(vec3 origin, vec3 direction, float tMax) {
     vec2 span = fogSpan(origin, direction, tMax);
-    return exp(-(parameters.fogScattering.rgb + parameters.fogAbsorption.rgb) * (span.y - span.x));
+    return exp(-(parameters.fogScattering + parameters.fogAbsorption) * (span.y - span.x));
 }
 
 // −ln(1 − u) from 56 random bits: fine steps at both ends, so that neither thin fog nor what passes thick fog is cut to
@@ -105,10 +105,10 @@ FogFlight fogFlight(vec3 throughput, Medium medium, Ray ray, SampleKey key, uint
 // exponent is at most 42; so nothing overflows and the sum is not 0.
 vec3 fogWeight(FogFlight f, float depth, bool scatters) {
     if (!(depth > 0.0) && !scatters) return vec3(1);
-    vec3 scattering = parameters.fogScattering.rgb;
+    vec3 scattering = parameters.fogScattering;
     vec3 density = exp((scattering[f.channel] - scattering) * depth);
     if (scatters) density *= scattering;
-    return density * exp(-parameters.fogAbsorption.rgb * depth) / dot(f.chances, density);
+    return density * exp(-parameters.fogAbsorption * depth) / dot(f.chances, density);
 }
 
 // Takes the throughput along a ray that meets a surface at t (INFINITY: none). True: it scatters in fog before that.

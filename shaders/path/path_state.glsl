@@ -42,7 +42,7 @@ void gather(inout PathState path, vec3 light, uint scatterings) {
     // Its bits must not depend on what else asks for it: some compilers would fuse it with the sum below, or not.
     precise vec3 radiance = path.throughput * light;
     if (has(FEATURE_CLAMP) && scatterings > 0u) {
-        float bound = scatterings == 1u ? parameters.bounds.x : parameters.bounds.y;
+        float bound = scatterings == 1u ? parameters.clampDirect : parameters.clampIndirect;
         float largest = maxComponent(radiance);
         if (largest > bound) {
             path.clamped += luminance(radiance) * (1.0 - bound / largest);

@@ -7,16 +7,16 @@
 
 // Ends paths whatever they carry, or none.
 bool constantRoulette(inout PathState path, float u) {
-    if (parameters.rules.x == ROULETTE_NONE) return true;
-    if (u >= parameters.bounds.w) return false;
-    path.throughput /= parameters.bounds.w;
+    if (parameters.rouletteRule == ROULETTE_NONE) return true;
+    if (u >= parameters.rouletteSurvival) return false;
+    path.throughput /= parameters.rouletteSurvival;
     return true;
 }
 
 // Ends dim paths at random and makes up for it in those that survive, whose throughput is then 1: a survival less than
 // the throughput would let the weights of long paths grow without bound. False: the path ends.
 bool russianRoulette(inout PathState path, float u) {
-    if (has(FEATURE_ROULETTE_RULE) && parameters.rules.x != ROULETTE_THROUGHPUT) return constantRoulette(path, u);
+    if (has(FEATURE_ROULETTE_RULE) && parameters.rouletteRule != ROULETTE_THROUGHPUT) return constantRoulette(path, u);
     float survival = maxComponent(path.throughput) * path.etaScale;
     if (u >= survival) return false;
     if (survival < 1.0) path.throughput /= survival;

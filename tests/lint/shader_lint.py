@@ -8,7 +8,9 @@ and how a finding is excused stand in shader_rules.py.
 """
 import os
 import re
+import subprocess
 import sys
+import tempfile
 from functools import lru_cache
 from pathlib import Path
 
@@ -40,10 +42,17 @@ def lint(paths, include):
     return sorted(found)
 
 
+def write_tables(folder):
+    """The headers of constants and records that shaders include, as the build makes them."""
+    subprocess.run([sys.executable, "-B", ROOT / "shaders" / "tables" / "generate.py", "gpu", folder], check=True)
+
+
 def main(arguments):
     shaders = ROOT / "shaders"
     paths = arguments or sorted(p for p in shaders.rglob("*") if p.suffix in STAGES)
-    found = lint(paths, [shaders])
+    with tempfile.TemporaryDirectory() as tables:
+        write_tables(tables)
+        found = lint(paths, [shaders, tables])
     for file, line, rule, what in found:
         print(f"{file}:{line}: {rule}: {what}")
     for rule in sorted({finding[2] for finding in found}):

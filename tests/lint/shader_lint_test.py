@@ -4,7 +4,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from shader_lint import ROOT, lint
+from shader_lint import ROOT, lint, write_tables
 
 HEAD = """#version 460
 layout(local_size_x = 1) in;
@@ -176,7 +176,9 @@ class Kernels(Rules):
         text = part.read_text()
         self.assertIn("-preciseDot(f, d)", text)
         part.write_text(text.replace("-preciseDot(f, d)", "-dot(f, d)"))
-        [(name, line, rule, _)] = lint([shaders / "trace_rays.comp"], [shaders])
+        tables = self.folder / "tables"
+        write_tables(tables)
+        [(name, line, rule, _)] = lint([shaders / "trace_rays.comp"], [shaders, tables])
         self.assertEqual((Path(name).name, rule), ("round.glsl", "precise"))
         self.assertIn("-dot(f, d)", part.read_text().splitlines()[line - 1])
 

@@ -34,11 +34,11 @@ gpu::ComputePipeline pipelineFor(const gpu::Device& device, const GpuScene& scen
 
 gpu::FrameParameters parametersOf(const GpuScene& scene) {
     gpu::FrameParameters p{};
-    p.environment = {scene.environmentWidth, scene.environmentHeight, 0, 0};
+    p.environmentSize = {scene.environmentWidth, scene.environmentHeight};
     if (scene.environmentWeightSum > 0) {
         const double texels = double(scene.environmentWidth) * scene.environmentHeight;
-        p.environmentPdf.x = static_cast<float>(1 / scene.environmentWeightSum);
-        p.environmentPdf.y = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
+        p.environmentInverseWeight = static_cast<float>(1 / scene.environmentWeightSum);
+        p.environmentTexelsPerSteradian = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
     }
     return p;
 }

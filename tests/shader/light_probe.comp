@@ -34,23 +34,21 @@ LightAnswer nothing() { return LightAnswer(vec4(0), vec4(0), vec4(0)); }
 LightAnswer sampled(LightQuery q) {
     LightSample l;
     SampleKey key = SampleKey(0u, q.ask.z, 7u);
-    uvec4 head = LOAD(lightTexels, q.ask.y * LIGHT_TEXELS);
-    if (!sampleOnLight(q.ask.y, head, 1.0, q.bits, key, 0u, surfaceOf(q), l)) return nothing();
+    if (!sampleOnLight(loadLightRecord(q.ask.y), 1.0, q.bits, key, 0u, surfaceOf(q), l)) return nothing();
     float distance = l.infinite ? INFINITY : length(l.target - q.position.xyz);
     return LightAnswer(vec4(l.wi, l.pdf), vec4(l.radiance, 1), vec4(distance, 0, 0, 0));
 }
 
 LightAnswer pdfAlong(LightQuery q) {
-    uint type = LOAD(lightTexels, q.ask.y * LIGHT_TEXELS).x;
+    LightRecord asked = loadLightRecord(q.ask.y);
     vec3 d = q.direction.xyz;
     LightAnswer a = nothing();
     a.wi = vec4(d, 0);
     a.chosen.x = INFINITY;
-    if (type == LIGHT_ENVIRONMENT) {
+    if (asked.type == LIGHT_ENVIRONMENT) {
         a.wi.w = environmentAlong(d).a;
-    } else if (type == LIGHT_SUN) {
-        float h = lightTexel(q.ask.y, 3u).x;
-        if (sunCovers(-lightTexel(q.ask.y, 2u).xyz, h, d)) a.wi.w = sunPdf(h);
+    } else if (asked.type == LIGHT_SUN) {
+        if (meetsSunLight(asked, d)) a.wi.w = sunLightPdf(asked);
     } else {
         Hit hit;
         Ray ray = freeRay(q.position.xyz, d, INFINITY, 0u);
@@ -59,8 +57,8 @@ LightAnswer pdfAlong(LightQuery q) {
         Surface s = surfaceAt(hit, ray);
         uint light = LOAD(primitiveLightTexels, s.primitive >> 2u)[s.primitive & 3u];
         a.chosen.y = light == q.ask.y ? 1.0 : 0.0;
-        if (light == q.ask.y && emitsTowards(LOAD(materialTexels, s.material * MATERIAL_TEXELS + 3u).y, s.frontFace)) {
-            float pmf = lightPmf(light, uintBitsToFloat(LOAD(lightTexels, light * LIGHT_TEXELS).z), q.position.xyz, q.normal.xyz);
+        if (light == q.ask.y && emitsTowards(materialFlags(s.material), s.frontFace)) {
+            float pmf = lightPmf(light, asked.pmf, q.position.xyz, q.normal.xyz);
             float pdf = emitterPdf(s.primitive, q.position.xyz, q.normal.xyz, hit.t, abs(dot(s.geometricNormal, d)), false);
             a.wi.w = pmf > 0.0 ? pdf / pmf : -1.0;
         }

@@ -47,11 +47,15 @@ void setKey(gpu::vec4* key, const Camera& camera, const std::optional<glm::dvec3
 void setCamera(gpu::FrameParameters& parameters, const Camera& camera, const ImageSpec& image) {
     const glm::dmat3 axes = axesOf(camera);
     const double halfHeight = halfHeightOf(camera);
-    parameters.cameraOrigin = glm::vec4(glm::vec3(camera.toWorld[3]), 1);
-    parameters.cameraForward = glm::vec4(glm::vec3(-axes[2]), kindOf(camera));
-    parameters.cameraRight = glm::vec4(glm::vec3(axes[0] * (halfHeight * aspectOf(image))), 0);
-    parameters.cameraUp = glm::vec4(glm::vec3(axes[1] * halfHeight), 0);
-    parameters.lens = {camera.apertureRadius, 1 / camera.focusDistance, camera.blades, camera.bladeRotation};
+    parameters.cameraOrigin = glm::vec3(camera.toWorld[3]);
+    parameters.cameraForward = glm::vec3(-axes[2]);
+    parameters.cameraKind = kindOf(camera);
+    parameters.cameraRight = glm::vec3(axes[0] * (halfHeight * aspectOf(image)));
+    parameters.cameraUp = glm::vec3(axes[1] * halfHeight);
+    parameters.lensRadius = static_cast<float>(camera.apertureRadius);
+    parameters.lensInverseFocus = static_cast<float>(1 / camera.focusDistance);
+    parameters.lensBlades = static_cast<float>(camera.blades);
+    parameters.lensRotation = static_cast<float>(camera.bladeRotation);
 }
 
 void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, const ImageSpec& image) {
@@ -60,7 +64,7 @@ void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, con
                                                     std::to_string(gpu::CAMERA_KEYS) + " keys, not " +
                                                     std::to_string(path.keys.size()));
     setCamera(parameters, path.keys.front(), image);
-    parameters.sampling.z = static_cast<uint32_t>(path.keys.size());
+    parameters.cameraKeyCount = static_cast<uint32_t>(path.keys.size());
     if (path.keys.size() == 1) return;
     for (size_t i = 0; i < path.keys.size(); ++i) {
         gpu::vec4* key = parameters.cameraKeys + i * gpu::CAMERA_KEY_VECTORS;
@@ -72,11 +76,11 @@ void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, con
 uint64_t setCulling(gpu::FrameParameters& parameters, const BackFaces& backFaces, const CameraPath& path,
                     Culling culling) {
     const Camera& camera = path.keys.front();
-    if (culling == Culling::all && backFaces.any()) parameters.culling.x = gpu::CULLING_ALL;
-    if (culling == Culling::camera && backFaces.mayBeSeen(path)) parameters.culling.x = gpu::CULLING_CAMERA;
-    parameters.culling.y = camera.clips && !camera.panorama ? 1 : 0;
-    parameters.clipping = {camera.znear, std::min(camera.zfar, kFarthest), 0, 0};
-    const bool needed = parameters.culling.x != gpu::CULLING_NONE || parameters.culling.y != 0;
+    if (culling == Culling::all && backFaces.any()) parameters.cullingKind = gpu::CULLING_ALL;
+    if (culling == Culling::camera && backFaces.mayBeSeen(path)) parameters.cullingKind = gpu::CULLING_CAMERA;
+    parameters.cameraClips = camera.clips && !camera.panorama ? 1 : 0;
+    parameters.clipping = {camera.znear, std::min(camera.zfar, kFarthest)};
+    const bool needed = parameters.cullingKind != gpu::CULLING_NONE || parameters.cameraClips != 0;
     return needed ? gpu::bit(gpu::FEATURE_CULLING) : 0;
 }
 

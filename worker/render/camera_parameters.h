@@ -10,7 +10,7 @@ namespace tilefarm {
 /// (or ymag) is kept and the image's own aspect decides the width.
 void setCamera(gpu::FrameParameters& parameters, const Camera& camera, const ImageSpec& image);
 
-/// Likewise for a camera on its way, with its lens; also parameters.sampling.z. Throws Error(invalidArgument)
+/// Likewise for a camera on its way, with its lens; also parameters.cameraKeyCount. Throws Error(invalidArgument)
 /// if there are more keys than CAMERA_KEYS.
 void setCameraPath(gpu::FrameParameters& parameters, const CameraPath& path, const ImageSpec& image);
 

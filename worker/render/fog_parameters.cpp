@@ -27,11 +27,13 @@ void setFog(gpu::FrameParameters& parameters, const PlacedFog& placed, const Cam
     const Fog& fog = placed.fog;
     if (!fog) return;
     const Fog::Box box = fog.box ? *fog.box : boxAround(placed.surfaces, camera);
-    parameters.fogLower = glm::vec4(glm::vec3(box.lower), fog.anisotropy);
-    parameters.fogUpper = glm::vec4(glm::vec3(box.upper), 1);
-    parameters.fogScattering = glm::vec4(glm::vec3(fog.extinction * fog.albedo), 0);
+    parameters.fogLower = glm::vec3(box.lower);
+    parameters.fogAnisotropy = static_cast<float>(fog.anisotropy);
+    parameters.fogUpper = glm::vec3(box.upper);
+    parameters.fogThere = 1;
+    parameters.fogScattering = glm::vec3(fog.extinction * fog.albedo);
     // From 1 − albedo in double: exactly 0 where all is scattered.
-    parameters.fogAbsorption = glm::vec4(glm::vec3(fog.extinction * (1.0 - fog.albedo)), 0);
+    parameters.fogAbsorption = glm::vec3(fog.extinction * (1.0 - fog.albedo));
 }
 
 }  // namespace tilefarm

@@ -199,16 +199,19 @@ GpuScene makeGpuScene(const gpu::Device& device, const Scene& scene, const World
 }
 
 void setLights(gpu::FrameParameters& p, const GpuScene& scene) {
-    p.path.z = scene.lightCount;
-    p.path.w = scene.environmentLight;
-    p.lights = {scene.lightRules, scene.lightGroups, 0, 0};
-    p.environment = {scene.environmentWidth, scene.environmentHeight, scene.firstSun, scene.sunCount};
-    p.environmentPdf.w = scene.environmentHidden ? 1.f : 0.f;
+    p.lightCount = scene.lightCount;
+    p.environmentLight = scene.environmentLight;
+    p.lightSelection = scene.lightRules;
+    p.lightGroups = scene.lightGroups;
+    p.environmentSize = {scene.environmentWidth, scene.environmentHeight};
+    p.firstSun = scene.firstSun;
+    p.sunCount = scene.sunCount;
+    p.environmentHidden = scene.environmentHidden ? 1.f : 0.f;
     if (scene.environmentWeightSum > 0) {
         const double texels = double(scene.environmentWidth) * scene.environmentHeight;
-        p.environmentPdf.x = static_cast<float>(1 / scene.environmentWeightSum);
-        p.environmentPdf.y = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
-        p.environmentPdf.z = static_cast<float>(scene.environmentTurns);
+        p.environmentInverseWeight = static_cast<float>(1 / scene.environmentWeightSum);
+        p.environmentTexelsPerSteradian = static_cast<float>(texels / (2 * std::numbers::pi * std::numbers::pi));
+        p.environmentTurns = static_cast<float>(scene.environmentTurns);
     }
 }
 

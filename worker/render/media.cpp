@@ -99,7 +99,7 @@ glm::uvec4 Solids::mediaAt(const glm::dvec3& point) const {
 uint64_t setMedia(gpu::FrameParameters& parameters, const Solids& solids, const glm::dvec3& eye) {
     parameters.cameraMedia = solids.mediaAt(eye);
     const bool needed = solids.nested() || parameters.cameraMedia.x != gpu::NO_INDEX;
-    parameters.nesting.x = needed ? 1 : 0;
+    parameters.mediaNest = needed ? 1 : 0;
     // An index of refraction relative to an equal one is 1, which the code of mirrors lets through.
     return needed ? gpu::bit(gpu::FEATURE_NESTED_MEDIA) | gpu::bit(gpu::FEATURE_MIRROR) : 0;
 }

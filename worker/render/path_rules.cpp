@@ -30,10 +30,13 @@ double boundOf(double clamp) {
 }  // namespace
 
 void setPathRules(gpu::FrameParameters& parameters, const RenderSettings& settings) {
-    parameters.rules = {kindOf(settings.roulette), kindOf(settings.directionSampling), settings.shadowDepth,
-                        0};
-    parameters.bounds = {boundOf(settings.clampDirect), boundOf(settings.clampIndirect),
-                         settings.regularisation, settings.rouletteSurvival};
+    parameters.rouletteRule = kindOf(settings.roulette);
+    parameters.rouletteSurvival = settings.rouletteSurvival;
+    parameters.directionSampling = kindOf(settings.directionSampling);
+    parameters.shadowDepth = settings.shadowDepth;
+    parameters.clampDirect = boundOf(settings.clampDirect);
+    parameters.clampIndirect = boundOf(settings.clampIndirect);
+    parameters.leastAlpha = settings.regularisation;
 }
 
 uint64_t pathRuleFeatures(const RenderSettings& settings) {

@@ -233,15 +233,19 @@ void Renderer::Impl::setParameters(int32_t frame) {
         setSampling(p, settings);
         setPathRules(p, settings);
         wanted |= setCulling(p, moment.backFaces, moved, settings.culling);
-        p.image = {image.width, image.height, settings.seed, static_cast<uint32_t>(frame)};
-        p.path = {settings.maxBounces, std::max(settings.rouletteStart, 1u), 0, 0};
+        p.imageSize = {image.width, image.height};
+        p.seed = settings.seed;
+        p.frame = static_cast<uint32_t>(frame);
+        p.maxBounces = settings.maxBounces;
+        p.rouletteStart = std::max(settings.rouletteStart, 1u);
         setLights(p, moment.scene);
-        p.extent.x = 2 * std::max(largestCoordinate(moment.lower), largestCoordinate(moment.upper));
+        p.extent = 2 * std::max(largestCoordinate(moment.lower), largestCoordinate(moment.upper));
         integrator.set(p, moment.lower, moment.upper);
         setFog(p, moment.scene.fog, moved);
         wanted |= setMedia(p, moment.scene.solids, glm::dvec3(moved.keys.front().toWorld[3]));
         const double share = 1.0 / static_cast<double>(moments.size());
-        p.shutter = {static_cast<double>(i) * share, share, 0, 0};
+        p.shutterBegin = static_cast<float>(static_cast<double>(i) * share);
+        p.shutterLength = static_cast<float>(share);
         moment.parameterBuffer.upload(gpu::bytesOfValue(p));
     }
 }

@@ -44,9 +44,10 @@ double filterRadiusOf(const RenderSettings& settings) {
 }
 
 void setSampling(gpu::FrameParameters& parameters, const RenderSettings& settings) {
-    parameters.filtering = {kindOf(settings), filterRadiusOf(settings), 0, 0};
-    parameters.sampling.x = kindOf(settings.sampler);
-    parameters.sampling.y = settings.strata;
+    parameters.filterKind = static_cast<float>(kindOf(settings));
+    parameters.filterRadius = static_cast<float>(filterRadiusOf(settings));
+    parameters.samplerKind = kindOf(settings.sampler);
+    parameters.strata = settings.strata;
 }
 
 uint64_t samplingFeatures(const RenderSettings& settings) {

@@ -20,7 +20,7 @@ TEST(CameraParameters, KeepTheVerticalFieldOfViewWhateverTheAspect) {
     EXPECT_NEAR(p.cameraUp.y, std::tan(0.5), 1e-6);
     EXPECT_NEAR(p.cameraRight.x, 3 * std::tan(0.5), 1e-6);
     EXPECT_FLOAT_EQ(p.cameraForward.z, -1);
-    EXPECT_EQ(p.cameraForward.w, 0);
+    EXPECT_EQ(p.cameraKind, 0);
 }
 
 TEST(CameraParameters, IgnoreTheScaleOfTheCamerasNode) {
@@ -44,7 +44,7 @@ TEST(CameraParameters, OrthographicAxesAreInMetres) {
     image.height = 100;
     gpu::FrameParameters p{};
     setCamera(p, camera, image);
-    EXPECT_EQ(p.cameraForward.w, 1);
+    EXPECT_EQ(p.cameraKind, 1);
     EXPECT_FLOAT_EQ(p.cameraUp.y, 3);
     EXPECT_FLOAT_EQ(p.cameraRight.x, 6);
 }

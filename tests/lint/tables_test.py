@@ -1,0 +1,97 @@
+"""What shaders/tables/generate.py makes of the tables, and what it refuses."""
+import importlib.util
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLES = ROOT / "shaders" / "tables"
+
+
+def generator():
+    """A fresh one: tests change its tables."""
+    sys.path.insert(0, str(TABLES))
+    for name in ("features", "records"):
+        sys.modules.pop(name, None)
+    spec = importlib.util.spec_from_file_location("generate", TABLES / "generate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    sys.path.remove(str(TABLES))
+    return module
+
+
+class Tables(unittest.TestCase):
+    def setUp(self):
+        self.generate = generator()
+
+    def record(self, *members):
+        records = self.generate.records
+        return records.Record("R", "R_TEXELS", "", [records.Member(*m) for m in members], "rTexels", "r")
+
+    def test_places_members_one_after_the_other(self):
+        record = self.record(("vec3", "a"), ("float", "b"), ("vec2", "c"), ("uint", "d"), ("uint", "e"))
+        places = [(m.name, texel, first) for m, texel, first in self.generate.placed(record)]
+        self.assertEqual(places, [("a", 0, 0), ("b", 0, 3), ("c", 1, 0), ("d", 1, 2), ("e", 1, 3)])
+
+    def test_refuses_members_across_texels_and_half_filled_ones(self):
+        for members in ([("float", "a"), ("float", "b"), ("vec3", "c")], [("vec3", "a")]):
+            with self.assertRaisesRegex(SystemExit, "records.py: R"):
+                list(self.generate.placed(self.record(*members)))
+
+    def test_readers_take_the_component_that_the_host_wrote(self):
+        text = self.generate.member_readers(self.record(("vec3", "a"), ("uint", "b"), ("float", "c"), ("vec3", "d")))
+        self.assertIn("vec3 rA(uint index) { return uintBitsToFloat(LOAD(rTexels, index * R_TEXELS + 0u).xyz); }", text)
+        self.assertIn("uint rB(uint index) { return LOAD(rTexels, index * R_TEXELS + 0u).w; }", text)
+        self.assertIn("float rC(uint index) { return uintBitsToFloat(LOAD(rTexels, index * R_TEXELS + 1u).x); }", text)
+        self.assertIn("vec3 rD(uint index) { return uintBitsToFloat(LOAD(rTexels, index * R_TEXELS + 1u).yzw); }", text)
+
+    def test_refuses_features_that_are_there_twice_or_not_at_all(self):
+        features = self.generate.features.FEATURES
+        features.append(features[0])
+        with self.assertRaisesRegex(SystemExit, "twice"):
+            self.generate.check()
+        features.pop()
+        records = self.generate.records
+        records.RECORDS.append(records.Record("R", "R_TEXELS", "", [records.Member("float", "a", "", "NONE", "0")]))
+        with self.assertRaisesRegex(SystemExit, "R.a: there is no feature NONE"):
+            self.generate.check()
+
+    def test_refuses_more_features_than_a_mask_holds(self):
+        features = self.generate.features
+        features.FEATURES.append(features.Feature("MORE", "more", "job", "path", ""))
+        features.FEATURES.append(features.Feature("AND_MORE", "and more", "job", "path", ""))
+        features.FEATURES.append(features.Feature("TOO_MANY", "too many", "job", "path", ""))
+        with self.assertRaisesRegex(SystemExit, "64"):
+            self.generate.feature_constants()
+
+    def test_every_feature_has_a_meaning_and_known_words(self):
+        for feature in self.generate.features.FEATURES:
+            self.assertTrue(feature.meaning, feature.id)
+            self.assertIn(feature.asked_by, {"materials", "lights", "geometry", "camera", "job"}, feature.id)
+            self.assertIn(feature.shown_by, {"camera", "surface", "lighting", "path", "estimator"}, feature.id)
+
+    def test_the_documents_have_the_table_of_effects(self):
+        text = (ROOT / "docs" / "effects.md").read_text()
+        self.assertIn(self.generate.effects_table(), text,
+                      "write it again: shaders/tables/generate.py effects")
+
+    def test_no_shader_reads_these_records_by_texel_number(self):
+        raw = re.compile(r"LOAD(_FLOATS)?\((material|texture|light)Texels\b")
+        for path in (p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".glsl", ".comp", ".vert", ".frag")):
+            self.assertIsNone(raw.search(path.read_text()), path)
+
+    def test_writes_all_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            argv, sys.argv = sys.argv, ["generate.py", "gpu", folder]
+            try:
+                self.generate.main()
+            finally:
+                sys.argv = argv
+            self.assertEqual({p.name for p in Path(folder).iterdir()},
+                             {"gpu_features.h", "gpu_records.h", "gpu_readers.glsl", "gpu_tables_host.h"})
+
+
+if __name__ == "__main__":
+    unittest.main()
