@@ -240,7 +240,7 @@ struct FrameParameters {
     uvec2 environmentSize;
     uint firstSun, sunCount;  // lights of LIGHT_SUN, one after the other
     float environmentInverseWeight;       // 1 / sum of texel weights
-    float environmentTexelsPerSteradian;  // w·h / (2π²): times sin θ it is that
+    float environmentTexelsPerSteradian;  // w·h / (2π²): where sin θ is 1
     float environmentTurns;               // its rotation
     float environmentHidden;              // 1: camera rays do not see it
     float lensRadius;                     // m, 0 for a pinhole
@@ -265,7 +265,7 @@ struct FrameParameters {
     float view;                            // VIEW_*
     float nearPlane, farPlane;             // m, of the raster integrator
     vec3 fogLower; float fogAnisotropy;    // of the box that fog fills; g
-    vec3 fogUpper; float fogThere;         // 1 if there is fog
+    vec3 fogUpper; float fogPresent;         // 1 if there is fog
     vec3 fogScattering; float unusedScattering;  // 1/m
     vec3 fogAbsorption; float unusedAbsorption;  // 1/m
     uvec4 cameraMedia;                     // solids around the camera, path/media_stack.glsl

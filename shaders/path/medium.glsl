@@ -26,7 +26,7 @@ Medium innermost(uvec4 stack) {
 
 #define fogAnisotropy() (parameters.fogAnisotropy)
 // By data as well: a kernel may hold fog's code for a scene without it.
-bool hasFog(Medium medium) { return has(FEATURE_FOG) && parameters.fogThere > 0.0 && !medium.solid; }
+bool hasFog(Medium medium) { return has(FEATURE_FOG) && parameters.fogPresent > 0.0 && !medium.solid; }
 
 // Points in fog take part in what surfaces do as a Surface without a normal: it sees lights on all sides, rays leave it
 // where it is, and no primitive is skipped.

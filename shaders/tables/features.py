@@ -9,7 +9,8 @@ Feature.__doc__ = """
 id        the constant's name behind FEATURE_
 name      the word in reports
 asked_by  what asks for it: materials, lights, geometry, camera or job
-shown_by  which integrators show it. camera, surface: all; lighting: path, whitted and raster; path: path alone;
+shown_by  which integrators show it. camera, surface: all; lighting: path, whitted and raster; tracing: path and
+          whitted, and raster has no rays for it; path: path alone;
           estimator: path alone, but it changes how the picture is estimated and not what is estimated, so that the
           other integrators do not lack it
 meaning   what is compiled in"""
@@ -93,7 +94,7 @@ FEATURES = [Feature(*row) for row in (
      "a shadow ray to every group of lights"),
     ("SINGLE_SAMPLING", "single sampling of lights", "job", "estimator",
      "light sampling alone or BSDF sampling alone: no multiple importance sampling"),
-    ("GLASS_SHADOWS", "shadow rays through glass", "geometry", "path",
+    ("GLASS_SHADOWS", "shadow rays through glass", "geometry", "tracing",
      "shadow rays test for smooth glass on their way"),
     ("ENVIRONMENT_ROTATION", "environment rotation", "lights", "lighting",
      "the environment is turned around the vertical axis"),

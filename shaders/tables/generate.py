@@ -105,7 +105,7 @@ def host_tables():
     text += "#include <array>\n#include <string_view>\n\n#include \"shaders/gpu_types.h\"\n\nnamespace tilefarm::gpu {\n\n"
     text += "inline constexpr std::array<std::string_view, FEATURE_COUNT> kFeatureNames{\n"
     text += "".join(f'    "{f.name}",\n' for f in features.FEATURES) + "};\n\n"
-    for group in ("camera", "surface", "lighting", "path", "estimator"):
+    for group in ("camera", "surface", "lighting", "tracing", "path", "estimator"):
         ids = [f.id for f in features.FEATURES if f.shown_by == group]
         if group == "estimator":
             ids += [name for name, _ in features.DEBUGGING]
@@ -122,7 +122,7 @@ def host_tables():
 def effects_table():
     text = "| effect | what is compiled in | asked for by | shown by |\n|---|---|---|---|\n"
     shown = {"camera": "all integrators", "surface": "all integrators", "lighting": "path, whitted, raster",
-             "path": "path", "estimator": "path (an estimator)"}
+             "tracing": "path, whitted", "path": "path", "estimator": "path (an estimator)"}
     for f in features.FEATURES:
         text += f"| {f.name} | {f.meaning} | {f.asked_by} | {shown[f.shown_by]} |\n"
     return text

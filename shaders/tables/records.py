@@ -59,7 +59,8 @@ TEXTURE = Record(
 
 LIGHT = Record(
     "LightRecord", "LIGHT_TEXELS",
-    "What p, a and b are stands at each kind (shaders/lights). `value`: radiance, or what a punctual light's is.\n"
+    "What p, a and b are stands at each kind (shaders/lights). Red, green and blue: radiance, W/(sr m²); intensity,\n"
+    "W/sr, of point and spot lights; irradiance, W/m², of directional ones. LIGHT_ENVIRONMENT has its own texels.\n"
     "`pmf` is the probability of being chosen where no tree chooses; with LIGHTS_ALL within the light's group.",
     [
         Member("uint", "type", "LIGHT_*"), Member("uint", "primitive"), Member("float", "pmf"),

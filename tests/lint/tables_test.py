@@ -70,7 +70,7 @@ class Tables(unittest.TestCase):
         for feature in self.generate.features.FEATURES:
             self.assertTrue(feature.meaning, feature.id)
             self.assertIn(feature.asked_by, {"materials", "lights", "geometry", "camera", "job"}, feature.id)
-            self.assertIn(feature.shown_by, {"camera", "surface", "lighting", "path", "estimator"}, feature.id)
+            self.assertIn(feature.shown_by, {"camera", "surface", "lighting", "tracing", "path", "estimator"}, feature.id)
 
     def test_the_documents_have_the_table_of_effects(self):
         text = (ROOT / "docs" / "effects.md").read_text()

@@ -30,7 +30,7 @@ void setFog(gpu::FrameParameters& parameters, const PlacedFog& placed, const Cam
     parameters.fogLower = glm::vec3(box.lower);
     parameters.fogAnisotropy = static_cast<float>(fog.anisotropy);
     parameters.fogUpper = glm::vec3(box.upper);
-    parameters.fogThere = 1;
+    parameters.fogPresent = 1;
     parameters.fogScattering = glm::vec3(fog.extinction * fog.albedo);
     // From 1 − albedo in double: exactly 0 where all is scattered.
     parameters.fogAbsorption = glm::vec3(fog.extinction * (1.0 - fog.albedo));

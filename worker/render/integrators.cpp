@@ -33,14 +33,13 @@ IntegratorKernel kernelOf(Integrator integrator) {
     switch (integrator) {
         case Integrator::path: return {path_trace_comp, "path_trace", all, all, 0};
         case Integrator::whitted:
-            return {whitted_comp, "whitted",
-                    surfaces | gpu::kLightingFeatures | gpu::bit(gpu::FEATURE_GLASS_SHADOWS),
+            return {whitted_comp, "whitted", surfaces | gpu::kLightingFeatures | gpu::kTracingFeatures,
                     gpu::kEstimatorFeatures, 0};
         case Integrator::raster:
             return {raster_shade_comp,
                     "raster_shade",
                     surfaces | gpu::kLightingFeatures,
-                    gpu::kEstimatorFeatures | gpu::bit(gpu::FEATURE_GLASS_SHADOWS),
+                    gpu::kEstimatorFeatures | gpu::kTracingFeatures,
                     0,
                     true};
         case Integrator::ambientOcclusion:

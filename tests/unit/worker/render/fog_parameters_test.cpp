@@ -37,7 +37,7 @@ TEST(FogParameters, SplitExtinctionIntoScatteringAndAbsorption) {
     EXPECT_EQ(glm::vec3(p.fogScattering), glm::vec3(1, 1, 0));
     EXPECT_EQ(glm::vec3(p.fogAbsorption), glm::vec3(0, 1, 4));
     EXPECT_EQ(p.fogAnisotropy, -0.25f);
-    EXPECT_EQ(p.fogThere, 1);
+    EXPECT_EQ(p.fogPresent, 1);
 }
 
 TEST(FogParameters, FillTheBoxAroundSurfacesAndCameraUnlessGivenOne) {
@@ -56,7 +56,7 @@ TEST(FogParameters, FillTheBoxAroundSurfacesAndCameraUnlessGivenOne) {
 TEST(FogParameters, OfASceneWithoutFogStayZero) {
     gpu::FrameParameters p{};
     setFog(p, placeFog(Fog{}, unitTriangleAround({})), cameraAtZ(0));
-    EXPECT_EQ(p.fogThere, 0);
+    EXPECT_EQ(p.fogPresent, 0);
 }
 
 }  // namespace
