@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "shared/job/bundle_paths.h"
+#include "shared/job/job.h"
 #include "worker/scene/load.h"
 #include "worker/scene/sky.h"
 
