@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/job/job.h"
+
 namespace tilefarm {
 
 namespace {

@@ -4,9 +4,9 @@
 #include <set>
 #include <string>
 
-#include "shared/job/job.h"
-
 namespace tilefarm {
+
+struct JobSpec;
 
 /// The places ("/images/3/uri", "/buffers/0/uri") of files that a render of this glTF may read: through
 /// the meshes, skins and materials of its default scene, under the job's variant, and the animations that the

@@ -5,6 +5,7 @@
 
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
+#include "shared/job/job.h"
 
 namespace tilefarm {
 

@@ -13,6 +13,8 @@
 
 namespace tilefarm {
 
+struct JobSpec;
+
 /// The film of one frame on disk: two slots per tile, each with a head that names what it holds. A
 /// merge writes the slot that is not in force; the tile's row says which one is. So a torn write
 /// never touches what counts. Slots start on pages of their own: a page torn by a power cut holds no

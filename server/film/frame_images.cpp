@@ -11,6 +11,7 @@
 #include "shared/error/error.h"
 #include "shared/file/durable_file.h"
 #include "shared/image/png.h"
+#include "shared/job/job.h"
 #include "shared/job/wire.h"
 #include "shared/matte/scene_names.h"
 

@@ -16,6 +16,8 @@
 
 namespace tilefarm {
 
+struct JobSpec;
+
 /// An open image file with the digest of its bytes; stays readable when a newer one replaces it.
 struct ImageFile {
     std::shared_ptr<const File> file;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/store/rows.h"
+#include "shared/job/job.h"
 #include "shared/job/pass_schedule.h"
 
 namespace tilefarm {

@@ -63,8 +63,8 @@ void Scheduler::write(const std::function<void(Tables&)>& work) {
     if (eventsWritten_ && changed_) changed_();
 }
 
-void Scheduler::note(Tables& t, const JobRow& job, std::string type, std::string json) {
-    t.events.add({0, job.key, job.id, clock_.now(), std::move(type), std::move(json)});
+void Scheduler::note(Tables& t, const JobRow& job, std::string type, std::string data) {
+    t.events.add({0, job.key, job.id, clock_.now(), std::move(type), std::move(data)});
     eventsWritten_ = true;
 }
 

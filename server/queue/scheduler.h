@@ -14,6 +14,7 @@
 #include "server/queue/worker_roster.h"
 #include "server/store/job_store.h"
 #include "shared/film/film.h"
+#include "shared/job/lease.h"
 
 namespace tilefarm {
 

@@ -232,10 +232,10 @@ void Scheduler::expire() {
     loseLeases([now = clock_.now()](const OpenLease& lease) { return lease.deadline <= now; });
 }
 
-void Scheduler::putReport(const std::string& leaseId, uint64_t epoch, const std::string& json) {
+void Scheduler::putReport(const std::string& leaseId, uint64_t epoch, const std::string& report) {
     const std::scoped_lock lock(mutex_);
     const OpenLease lease = openLease(leaseId, epoch);
-    write([&](Tables& t) { t.workers.putReport({lease.job, lease.worker, json}); });
+    write([&](Tables& t) { t.workers.putReport({lease.job, lease.worker, report}); });
 }
 
 void Scheduler::reportFailure(const std::string& leaseId, uint64_t epoch, const std::string& message) {

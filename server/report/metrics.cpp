@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include "shared/job/lease.h"
+
 namespace tilefarm {
 
 using prometheus::Counter;

@@ -8,6 +8,8 @@
 
 namespace tilefarm {
 
+struct ResultReceipt;
+
 /// Counters of this process and gauges read from the store, in Prometheus' text format. Any thread
 /// may call.
 class Metrics {

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "shared/clock/clock.h"
-#include "shared/job/lease.h"
+#include "shared/job/leased_pass.h"
 #include "shared/job/states.h"
+#include "shared/job/worker_hello.h"
 
 namespace tilefarm {
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "shared/job/job.h"
+
 namespace tilefarm {
 namespace {
 

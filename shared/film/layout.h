@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "shared/job/job.h"
-
 namespace tilefarm {
+
+struct JobSpec;
 
 /// Ids that a pixel keeps of each kind of matte.
 inline constexpr uint32_t kMatteRanks = 6;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "shared/error/error.h"
+#include "shared/job/job.h"
 
 namespace tilefarm {
 namespace {

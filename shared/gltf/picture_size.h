@@ -3,9 +3,11 @@
 #include <optional>
 
 #include "shared/gltf/gltf_bytes.h"
-#include "shared/job/job.h"
+#include "shared/job/image_spec.h"
 
 namespace tilefarm {
+
+struct JobSpec;
 
 /// Width over height of the view that a job's camera frames: the aspectRatio, or xmag / ymag, of the scene's
 /// camera that it names, 2 of a panorama. Nothing where nobody framed one: a camera without an aspectRatio,

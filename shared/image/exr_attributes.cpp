@@ -18,7 +18,7 @@ size_t startOf(std::string_view text) {
     return size;  // no UTF-8
 }
 
-constexpr std::string_view kFirst = ".001";
+constexpr std::string_view kFirstSuffix = ".001";
 
 }  // namespace
 
@@ -36,8 +36,8 @@ std::map<std::string, std::string> splitAttribute(const std::string& name, std::
 ImageAttributes joinAttributes(const ImageAttributes& entries) {
     ImageAttributes joined = entries;
     for (const auto& [first, text] : entries) {
-        if (!first.ends_with(kFirst)) continue;
-        const std::string name = first.substr(0, first.size() - kFirst.size());
+        if (!first.ends_with(kFirstSuffix)) continue;
+        const std::string name = first.substr(0, first.size() - kFirstSuffix.size());
         if (entries.contains(name)) continue;
         std::string& whole = joined[name];
         for (size_t number = 1;; ++number) {

@@ -1,19 +1,12 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 
+#include "shared/job/color.h"
+#include "shared/job/facets.h"
+
 namespace tilefarm {
-
-/// Distribution of microfacet normals.
-enum class Microfacets : uint8_t { ggx, beckmann, phong };
-
-/// How the reflectance of dielectrics is computed.
-enum class Fresnel : uint8_t { exact, schlick };
-
-using Color = std::array<float, 3>;  // linear Rec. 709
 
 /// What a job says of materials beyond their glTF file; what is not given stays as the file has it. The
 /// members mean what those of Material (worker/scene/scene.h) do, and are what the vendor extension

@@ -5,29 +5,10 @@
 #include <vector>
 
 #include "shared/job/job.h"
-#include "shared/job/pass_schedule.h"
+#include "shared/job/leased_pass.h"
+#include "shared/job/worker_hello.h"
 
 namespace tilefarm {
-
-/// One pass of one tile on loan.
-struct LeasedPass {
-    uint32_t tile = 0;  // index in the job's TileGrid
-    SampleRange samples;
-    friend bool operator==(const LeasedPass&, const LeasedPass&) = default;
-};
-
-/// What a worker says of itself when it asks for work.
-struct WorkerHello {
-    std::string worker;     // stable id, unique per process and device
-    std::string host;       // for people
-    std::string device;     // Vulkan device name
-    std::string driver;     // driver name and version
-    std::string version;    // TILEFARM_VERSION
-    std::string session{};  // its process, the same for all of its devices; empty: the worker itself
-    /// Sessions on this machine that were killed or crashed: their leases are lost at once.
-    std::vector<std::string> ended{};
-    friend bool operator==(const WorkerHello&, const WorkerHello&) = default;
-};
 
 /// Passes of one frame of one job on loan to one worker until a deadline.
 struct Lease {

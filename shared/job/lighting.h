@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "shared/job/appearance.h"
+#include "shared/job/color.h"
 
 namespace tilefarm {
 

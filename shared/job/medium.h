@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "shared/job/appearance.h"
+#include "shared/job/color.h"
 
 namespace tilefarm {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shared/job/job.h"
+#include "shared/job/image_spec.h"
 
 namespace tilefarm {
 

@@ -7,6 +7,7 @@
 #include "shared/error/error.h"
 #include "shared/film/layout.h"
 #include "shared/gltf/gltf_bytes.h"
+#include "shared/job/job.h"
 #include "shared/matte/cryptomatte.h"
 
 namespace tilefarm {

@@ -4,10 +4,11 @@
 #include <string>
 
 #include "shared/gltf/gltf_bytes.h"
-#include "shared/job/job.h"
 #include "shared/matte/cryptomatte.h"
 
 namespace tilefarm {
+
+struct JobSpec;
 
 /// What the ids of a scene's mattes may stand for.
 struct SceneNames {

@@ -4,7 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "shared/job/job.h"
+#include "shared/job/image_spec.h"
+#include "shared/job/render_settings.h"
 #include "worker/scene/scene.h"
 
 namespace tilefarm::bench {

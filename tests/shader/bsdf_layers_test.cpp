@@ -1,4 +1,5 @@
 // Clearcoat, sheen, and the diffuse bases other than Lambert's: every lobe alone over black, then stacks.
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>

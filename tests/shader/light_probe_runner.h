@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 #include "tests/shader/light_probe.h"
 #include "worker/render/gpu_scene.h"
 #include "worker/vk/pipeline.h"

@@ -4,7 +4,7 @@
     tests/tidy/rebuild_counts.py [HEADER…]
 
 Prints a table for shared/job/job.h, shared/job/appearance.h and the headers named. It follows the includes of the
-tracked files, so it needs no build, and counts as a build with -DTILEFARM_UNITY_TESTS=OFF does. Left out are
+tracked files, so it needs no build, and counts as a build with -DTILEFARM_UNITY=OFF does. Left out are
 tests/fuzz, which another preset builds, and includes of generated headers.
 """
 import argparse

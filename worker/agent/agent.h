@@ -8,6 +8,7 @@
 
 #include "worker/agent/actions.h"
 #include "worker/agent/backoff.h"
+#include "worker/agent/lease_keeper.h"
 #include "worker/agent/pause.h"
 #include "worker/agent/result_queue.h"
 #include "worker/blob_cache/blob_cache.h"

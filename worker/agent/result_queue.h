@@ -12,9 +12,10 @@
 
 #include "shared/film/film.h"
 #include "shared/image/exr.h"
-#include "worker/agent/lease_keeper.h"
 
 namespace tilefarm {
+
+struct HeldLease;
 
 /// What is rendered of a lease, on its way to the server: as films, or as a file that an earlier run
 /// left in the ResultStore.

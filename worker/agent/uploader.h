@@ -5,6 +5,7 @@
 
 #include "worker/agent/actions.h"
 #include "worker/agent/backoff.h"
+#include "worker/agent/lease_keeper.h"
 #include "worker/agent/pause.h"
 #include "worker/agent/result_queue.h"
 #include "worker/agent/result_store.h"

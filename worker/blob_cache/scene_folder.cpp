@@ -1,6 +1,7 @@
 #include "worker/blob_cache/scene_folder.h"
 
 #include "shared/error/error.h"
+#include "shared/job/job.h"
 #include "shared/job/safe_path.h"
 
 namespace fs = std::filesystem;

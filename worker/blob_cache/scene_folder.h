@@ -2,10 +2,11 @@
 
 #include <filesystem>
 
-#include "shared/job/job.h"
 #include "worker/blob_cache/blob_cache.h"
 
 namespace tilefarm {
+
+struct SceneBundle;
 
 /// The files of a scene under their own relative names, as a loader wants them: links into the cache.
 /// Lasts as long as the object; a scene is loaded whole, so that is only while it is being loaded.

@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "shared/job/appearance.h"
+#include "shared/job/facets.h"
 
 namespace tilefarm {
 

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "shaders/gpu_types.h"
-#include "shared/job/job.h"
+#include "shared/job/image_spec.h"
+#include "shared/job/viewing.h"
 #include "worker/scene/back_faces.h"
 
 namespace tilefarm {

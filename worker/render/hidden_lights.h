@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 #include "worker/scene/scene.h"
 
 namespace tilefarm {

@@ -2,7 +2,7 @@
 
 #include <glm/glm.hpp>
 
-#include "shared/job/appearance.h"
+#include "shared/job/facets.h"
 
 /// Microfacets in fp64 for the quadrature of albedos: shaders/bsdf/{fresnel,facets}.glsl on the host.
 namespace tilefarm {

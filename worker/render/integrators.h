@@ -5,7 +5,7 @@
 #include <span>
 
 #include "shaders/gpu_types.h"
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 #include "worker/scene/scene.h"
 
 namespace tilefarm {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "shaders/gpu_types.h"
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 #include "worker/render/light_counts.h"
 #include "worker/scene/world.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "shaders/gpu_types.h"
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 #include "worker/render/albedo_table.h"
 #include "worker/render/texture_packer.h"
 #include "worker/scene/scene.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "shaders/gpu_types.h"
-#include "shared/job/job.h"
+#include "shared/job/render_settings.h"
 
 namespace tilefarm {
 

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "shared/film/film.h"
-#include "shared/job/job.h"
+#include "shared/job/image_spec.h"
+#include "shared/job/render_settings.h"
 #include "worker/render/light_counts.h"
 #include "worker/scene/scene.h"
 

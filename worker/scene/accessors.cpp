@@ -12,12 +12,12 @@
 namespace tilefarm {
 namespace {
 
-struct Shape {
+struct ElementShape {
     uint32_t components;
     uint32_t columns;  // 1 for scalars and vectors
 };
 
-Shape parseShape(const JsonNode& node) {
+ElementShape parseShape(const JsonNode& node) {
     const std::string& name = node.text();
     if (name == "SCALAR") return {1, 1};
     if (name == "VEC2") return {2, 1};
@@ -50,7 +50,7 @@ uint32_t sizeOf(ComponentType type) {
 }
 
 /// Columns of matrices start at multiples of four bytes.
-uint32_t elementBytes(Shape shape, ComponentType type) {
+uint32_t elementBytes(ElementShape shape, ComponentType type) {
     const uint32_t column = shape.components / shape.columns * sizeOf(type);
     return shape.columns == 1 ? column : shape.columns * ((column + 3) / 4 * 4);
 }
@@ -130,7 +130,7 @@ Accessors::Accessors(const JsonNode& root, BufferViews& views) : nodes_(root["ac
 
 Accessor Accessors::parse(const JsonNode& node) const {
     Accessor accessor;
-    const Shape shape = parseShape(node["type"]);
+    const ElementShape shape = parseShape(node["type"]);
     accessor.components = shape.components;
     accessor.matrix = shape.columns > 1;
     accessor.type = parseComponentType(node["componentType"]);

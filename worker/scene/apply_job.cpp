@@ -6,17 +6,15 @@
 #include <numbers>
 
 #include "shared/job/bundle_paths.h"
+#include "shared/job/job.h"
 #include "worker/scene/load.h"
 #include "worker/scene/sky.h"
+#include "worker/scene/vectors.h"
 
 namespace tilefarm {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-
-glm::dvec3 vectorOf(const std::array<double, 3>& v) {
-    return {v[0], v[1], v[2]};
-}
 
 glm::vec3 emitted(const LightSettings& light) {
     return glm::dvec3(light.color[0], light.color[1], light.color[2]) * light.intensity;

@@ -2,10 +2,11 @@
 
 #include <filesystem>
 
-#include "shared/job/job.h"
 #include "worker/scene/gltf_source.h"
 
 namespace tilefarm {
+
+struct JobSpec;
 
 /// The scene that a job renders, at time 0 (timeline.h: at any): its files, read with the job's variant, with what the job says of
 /// materials, lights and environment laid over them, and light where there is none. `environment` may be

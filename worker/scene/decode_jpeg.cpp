@@ -15,7 +15,7 @@ namespace tilefarm {
 namespace {
 
 // A block of 8 x 8 takes a bit at least, in its first scan.
-constexpr uint64_t kTexelsPerByte = 512;
+constexpr uint64_t kJpegTexelsPerByte = 512;
 // A progressive file has about ten; each costs a pass over the image.
 constexpr int kMostScans = 100;
 
@@ -106,7 +106,7 @@ Image decodeJpeg(std::span<const std::byte> bytes) {
     Image image;
     image.width = decoder.jpeg.image_width;
     image.height = decoder.jpeg.image_height;
-    requireModestImage(image.width, image.height, bytes.size(), kTexelsPerByte);
+    requireModestImage(image.width, image.height, bytes.size(), kJpegTexelsPerByte);
     image.rgba8.resize(size_t{image.width} * image.height * 4);
     require(read(decoder, image.rgba8.data()));
     if (decoder.jpeg.out_color_space == JCS_CMYK) makeRgb(image.rgba8);

@@ -13,7 +13,7 @@ namespace tilefarm {
 namespace {
 
 // Deflate gives 1032 bytes for one at most; a byte holds eight texels of one bit.
-constexpr uint64_t kTexelsPerByte = 1032 * 8;
+constexpr uint64_t kPngTexelsPerByte = 1032 * 8;
 
 // libpng leaves by longjmp, so that nothing with a destructor may live in a function that calls it.
 struct Decoder {
@@ -102,7 +102,7 @@ Image decodePng(std::span<const std::byte> bytes, bool srgb) {
     Image image;
     image.width = png_get_image_width(decoder.png, decoder.info);
     image.height = png_get_image_height(decoder.png, decoder.info);
-    requireModestImage(image.width, image.height, bytes.size(), kTexelsPerByte);
+    requireModestImage(image.width, image.height, bytes.size(), kPngTexelsPerByte);
     const bool deep = png_get_bit_depth(decoder.png, decoder.info) == 16;
     const size_t rowBytes = size_t{image.width} * (deep ? 8 : 4);
     image.rgba8.resize(rowBytes * image.height);

@@ -51,7 +51,7 @@ void noteShape(EnvironmentPicture& picture) {
             picture.aspect));
 }
 
-constexpr float kLargest = std::numeric_limits<float>::max();
+constexpr float kLargestRadiance = std::numeric_limits<float>::max();
 
 /// Makes radiance of whatever a texel holds, and counts what was none.
 class TexelRepair {
@@ -72,7 +72,7 @@ public:
         const bool infinite = makeFinite(texel);
         if (toScene_) convert(texel);
         const bool negative = std::any_of(texel, texel + 3, [](float v) { return v < 0; });
-        std::for_each(texel, texel + 3, [](float& v) { v = std::clamp(v, 0.0f, kLargest); });
+        std::for_each(texel, texel + 3, [](float& v) { v = std::clamp(v, 0.0f, kLargestRadiance); });
         infinite_ += infinite;
         negative_ += negative && !infinite;
     }
@@ -105,7 +105,7 @@ private:
         for (size_t r = 0; r < 3; ++r) {
             const auto& row = (*toScene_)[r];
             const double value = row[0] * from[0] + row[1] * from[1] + row[2] * from[2];
-            texel[r] = static_cast<float>(std::clamp<double>(value, -kLargest, kLargest));
+            texel[r] = static_cast<float>(std::clamp<double>(value, -kLargestRadiance, kLargestRadiance));
         }
     }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr float kLargestHalf = 65504;
 /// Texels of a display window that no bytes need bear out: data may be small in a large window.
 constexpr int64_t kFreeTexels = int64_t{1} << 24;
-constexpr int64_t kTexelsPerByte = 128;
+constexpr int64_t kExrTexelsPerByte = 128;
 
 using Planes = std::array<std::vector<float>, 3>;
 
@@ -52,7 +52,7 @@ float infinityOf(const ExrPicture& exr, const char* channel) {
 
 void requireModest(const ExrPicture& exr) {
     const auto [x, y, width, height] = exr.display;
-    const int64_t borne = static_cast<int64_t>(exr.image.pixelCount()) * kTexelsPerByte;
+    const int64_t borne = static_cast<int64_t>(exr.image.pixelCount()) * kExrTexelsPerByte;
     const int64_t most = std::min<int64_t>(kMaxImageTexels, std::max(kFreeTexels, borne));
     if (width < 1 || height < 1 || width > most || height > most / width)
         throw Error(ErrorCode::invalidArgument,

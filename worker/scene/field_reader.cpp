@@ -8,7 +8,7 @@
 namespace tilefarm {
 namespace {
 
-constexpr double kLargest = 1e9;  // m
+constexpr double kLargestLength = 1e9;  // m
 
 struct Place {
     glm::dvec3 translation{0};
@@ -63,7 +63,7 @@ private:
         const JsonNode parts = expression[name];
         if (!parts) return false;
         if (parts.size() == 0) parts.fail("must not be empty");
-        const double smooth = within(expression["smooth"], 0, 0, kLargest);
+        const double smooth = within(expression["smooth"], 0, 0, kLargestLength);
         for (size_t i = 0; i < parts.size(); ++i) {
             add(parts[i], place, depth + (i > 0 ? 1 : 0));
             if (i > 0) push({operation, {smooth, 0, 0, 0}, glm::dvec3(0), {0, 0, 0, 1}}, parts[i]);
@@ -99,7 +99,7 @@ private:
     static void readBox(const JsonNode& node, FieldInstruction& primitive) {
         const glm::dvec3 size = vectorOr(node["size"], glm::dvec3(1));
         const double least = std::min({size.x, size.y, size.z});
-        if (!(least > 0) || std::max({size.x, size.y, size.z}) > kLargest)
+        if (!(least > 0) || std::max({size.x, size.y, size.z}) > kLargestLength)
             node.fail("has a side that is not above 0");
         primitive.operation = FieldOperation::box;
         primitive.parameters = glm::dvec4(0.5 * size, within(node["rounding"], 0, 0, least / 2));
@@ -108,8 +108,8 @@ private:
     static void readCone(const JsonNode& node, FieldInstruction& primitive) {
         primitive.operation = FieldOperation::cone;
         primitive.parameters = {positiveOr(node["height"], 1) / 2,
-                                within(node["radiusBottom"], 0.5, 0, kLargest),
-                                within(node["radiusTop"], 0, 0, kLargest), 0};
+                                within(node["radiusBottom"], 0.5, 0, kLargestLength),
+                                within(node["radiusTop"], 0, 0, kLargestLength), 0};
         if (!(primitive.parameters.y + primitive.parameters.z > 0)) node.fail("has no radius above 0");
     }
 
@@ -126,7 +126,7 @@ private:
 
 double positiveOr(const JsonNode& node, double fallback) {
     const double value = node.numberOr(fallback);
-    if (!(value > 0 && value <= kLargest)) node.fail(fmt::format("must be above 0 and at most {}", kLargest));
+    if (!(value > 0 && value <= kLargestLength)) node.fail(fmt::format("must be above 0 and at most {}", kLargestLength));
     return value;
 }
 

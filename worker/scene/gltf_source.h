@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/job/appearance.h"
 #include "shared/job/lighting.h"
 #include "worker/scene/scene.h"
 

@@ -10,7 +10,7 @@ namespace tilefarm {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargest = std::numeric_limits<float>::max();
+constexpr double kAnyFloat = std::numeric_limits<float>::max();
 
 void readIor(MaterialReader& reader, Material& m) {
     const JsonNode ior = reader.extension("KHR_materials_ior")["ior"];
@@ -21,7 +21,7 @@ void readIor(MaterialReader& reader, Material& m) {
 void readSpecular(MaterialReader& reader, Material& m) {
     const JsonNode node = reader.extension("KHR_materials_specular");
     m.specular = reader.factor(node["specularFactor"], 1);
-    m.specularColor = reader.color(node["specularColorFactor"], glm::vec3(1), kLargest);
+    m.specularColor = reader.color(node["specularColorFactor"], glm::vec3(1), kAnyFloat);
     if (m.specular > 0) {
         m.specularTexture = reader.dataTexture(node["specularTexture"]);
         m.specularColorTexture = reader.colorTexture(node["specularColorTexture"]);
@@ -33,7 +33,7 @@ void readClearcoat(MaterialReader& reader, Material& m) {
     m.clearcoat = reader.factor(node["clearcoatFactor"], 0);
     m.clearcoatRoughness = reader.factor(node["clearcoatRoughnessFactor"], 0);
     const JsonNode normal = node["clearcoatNormalTexture"];
-    m.clearcoatNormalScale = reader.clamped(normal["scale"], 1, -kLargest, kLargest);
+    m.clearcoatNormalScale = reader.clamped(normal["scale"], 1, -kAnyFloat, kAnyFloat);
     if (m.clearcoat > 0) {
         m.clearcoatTexture = reader.dataTexture(node["clearcoatTexture"]);
         m.clearcoatRoughnessTexture = reader.dataTexture(node["clearcoatRoughnessTexture"]);
@@ -54,7 +54,7 @@ void readSheen(MaterialReader& reader, Material& m) {
 void readAnisotropy(MaterialReader& reader, Material& m) {
     const JsonNode node = reader.extension("KHR_materials_anisotropy");
     m.anisotropy = reader.factor(node["anisotropyStrength"], 0);
-    m.anisotropyRotation = reader.clamped(node["anisotropyRotation"], 0, -kLargest, kLargest);
+    m.anisotropyRotation = reader.clamped(node["anisotropyRotation"], 0, -kAnyFloat, kAnyFloat);
     if (m.anisotropy > 0) {
         m.anisotropyTexture = reader.dataTexture(node["anisotropyTexture"]);
     }
@@ -64,8 +64,8 @@ void readIridescence(MaterialReader& reader, Material& m) {
     const JsonNode node = reader.extension("KHR_materials_iridescence");
     m.iridescence = reader.factor(node["iridescenceFactor"], 0);
     m.iridescenceIor = reader.clamped(node["iridescenceIor"], 1.3, 1, 1000);
-    m.iridescenceThicknessMinimum = reader.factor(node["iridescenceThicknessMinimum"], 100, kLargest);
-    m.iridescenceThicknessMaximum = reader.factor(node["iridescenceThicknessMaximum"], 400, kLargest);
+    m.iridescenceThicknessMinimum = reader.factor(node["iridescenceThicknessMinimum"], 100, kAnyFloat);
+    m.iridescenceThicknessMaximum = reader.factor(node["iridescenceThicknessMaximum"], 400, kAnyFloat);
     if (m.iridescence > 0) {
         m.iridescenceTexture = reader.dataTexture(node["iridescenceTexture"]);
         m.iridescenceThicknessTexture = reader.dataTexture(node["iridescenceThicknessTexture"]);
@@ -73,7 +73,7 @@ void readIridescence(MaterialReader& reader, Material& m) {
 }
 
 void readDispersion(MaterialReader& reader, Material& m) {
-    m.dispersion = reader.factor(reader.extension("KHR_materials_dispersion")["dispersion"], 0, kLargest);
+    m.dispersion = reader.factor(reader.extension("KHR_materials_dispersion")["dispersion"], 0, kAnyFloat);
 }
 
 void readTransmission(MaterialReader& reader, Material& m) {
@@ -96,7 +96,7 @@ void readDiffuseTransmission(MaterialReader& reader, Material& m) {
 
 void readVolume(MaterialReader& reader, Material& m) {
     const JsonNode node = reader.extension("KHR_materials_volume");
-    m.thickness = reader.factor(node["thicknessFactor"], 0, kLargest);
+    m.thickness = reader.factor(node["thicknessFactor"], 0, kAnyFloat);
     m.attenuationColor = reader.color(node["attenuationColor"], glm::vec3(1));
     const JsonNode distance = node["attenuationDistance"];
     const double value = distance.numberOr(kInfinity);

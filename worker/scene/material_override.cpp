@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "shared/error/error.h"
+#include "shared/job/appearance.h"
 #include "worker/scene/conductors.h"
 
 namespace tilefarm {

@@ -6,6 +6,8 @@
 
 namespace tilefarm {
 
+struct MaterialOverride;
+
 /// Lays what is given over a material. Factors are replaced; textures of the file go on multiplying them.
 /// Throws Error(invalidArgument) for a conductor that is not known.
 void applyOverride(Material& material, const MaterialOverride& given);

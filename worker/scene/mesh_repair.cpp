@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/scene/vectors.h"
+
 namespace tilefarm {
 namespace {
-
-bool isFinite(glm::vec3 v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 template <typename Visit>
 void forEachAttribute(Mesh& mesh, Visit visit) {

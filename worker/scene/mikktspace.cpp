@@ -41,7 +41,7 @@ struct Face {
     bool anyGroup = true;               // texture coordinates give no direction: joins any group
 };
 
-struct Edge {
+struct CornerEdge {
     uint32_t low, high;  // vertices
     int32_t face;
     int corner;  // it starts at
@@ -105,7 +105,7 @@ private:
 
     /// Two triangles are neighbours if they run along an edge in opposite directions.
     void findNeighbours() {
-        std::vector<Edge> edges;
+        std::vector<CornerEdge> edges;
         edges.reserve(faces_.size() * 3);
         for (size_t f = 0; f < faces_.size(); ++f) {
             for (int k = 0; k < 3; ++k) {
@@ -113,20 +113,20 @@ private:
                 edges.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(f), k});
             }
         }
-        std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+        std::sort(edges.begin(), edges.end(), [](const CornerEdge& a, const CornerEdge& b) {
             return std::tie(a.low, a.high, a.face, a.corner) < std::tie(b.low, b.high, b.face, b.corner);
         });
         // Along an edge, earlier triangles wait in turn for one that runs the other way.
-        std::vector<const Edge*> waiting;
+        std::vector<const CornerEdge*> waiting;
         size_t served = 0;
         for (size_t i = 0; i < edges.size(); ++i) {
-            const Edge& edge = edges[i];
+            const CornerEdge& edge = edges[i];
             if (i == 0 || edge.low != edges[i - 1].low || edge.high != edges[i - 1].high) {
                 waiting.clear();
                 served = 0;
             }
             if (served < waiting.size() && start(edge) != start(*waiting[served])) {
-                const Edge& other = *waiting[served++];
+                const CornerEdge& other = *waiting[served++];
                 faces_[size_t(edge.face)].neighbour[edge.corner] = other.face;
                 faces_[size_t(other.face)].neighbour[other.corner] = edge.face;
             } else {
@@ -191,7 +191,7 @@ private:
         return sums;
     }
 
-    uint32_t start(const Edge& edge) const { return faces_[size_t(edge.face)].vertex[edge.corner]; }
+    uint32_t start(const CornerEdge& edge) const { return faces_[size_t(edge.face)].vertex[edge.corner]; }
     glm::dvec3 position(const Face& face, int corner) const { return positions_[face.vertex[corner]]; }
     glm::dvec2 uv(const Face& face, int corner) const { return uvs_[face.vertex[corner]]; }
 

@@ -11,20 +11,10 @@
 #include "worker/scene/mesh_repair.h"
 #include "worker/scene/shape_reader.h"
 #include "worker/scene/transform.h"
+#include "worker/scene/vectors.h"
 
 namespace tilefarm {
 namespace {
-
-bool isFinite(const glm::dmat4& m) {
-    for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 4; ++r) {
-            if (!std::isfinite(m[c][r])) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
 
 /// The forest of nodes. Iterative throughout: a chain may be as long as the file.
 class NodeTree {

@@ -10,6 +10,8 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "worker/scene/vectors.h"
+
 namespace tilefarm {
 namespace {
 
@@ -32,10 +34,6 @@ struct CellHash {
 
 using Corners = std::array<uint32_t, 3>;
 constexpr Corners kCollapsed{kNone, kNone, kNone};  // has neither edges nor area
-
-bool isFinite(const glm::vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// One edge of one triangle.
 struct Edge {

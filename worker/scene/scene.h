@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/job/appearance.h"
+#include "shared/job/facets.h"
 #include "worker/scene/scene_warning.h"
 #include "worker/scene/shapes.h"
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
+#include "worker/scene/vectors.h"
+
 namespace tilefarm {
 namespace {
 
@@ -57,13 +59,6 @@ ShapeBounds combined(FieldOperation operation, const ShapeBounds& a, const Shape
         case FieldOperation::intersect: return {glm::max(a.lower, b.lower), glm::min(a.upper, b.upper)};
         default: return a;
     }
-}
-
-bool isFinite(const glm::dmat4& m) {
-    for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 4; ++r)
-            if (!std::isfinite(m[c][r])) return false;
-    return true;
 }
 
 }  // namespace

@@ -4,13 +4,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "worker/scene/transform.h"
+#include "worker/scene/vectors.h"
 
 namespace tilefarm {
 namespace {
-
-glm::dvec3 vectorOf(const std::array<double, 3>& v) {
-    return {v[0], v[1], v[2]};
-}
 
 double apertureRadiusOf(const Camera& camera, const ViewSettings& view, double imageAspect) {
     if (view.fNumber <= 0) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "shared/film/film.h"
+#include "shared/job/job.h"
 #include "tests/support/expect_error.h"
 
 namespace tilefarm {

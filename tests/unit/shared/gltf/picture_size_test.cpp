@@ -1,4 +1,5 @@
 #include "shared/gltf/picture_size.h"
+#include "shared/job/job.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
 #include "shared/matte/cryptomatte.h"
+#include "shared/job/job.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+#include "shared/job/job.h"
 #include "worker/blob_cache/scene_folder.h"
 
 #include "tests/unit/worker/blob_cache/blob_fixture.h"

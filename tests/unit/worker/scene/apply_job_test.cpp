@@ -1,4 +1,5 @@
 #include "worker/scene/apply_job.h"
+#include "shared/job/job.h"
 
 #include <gmock/gmock.h>
 

@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <random>

@@ -1,5 +1,6 @@
 // Which surfaces enclose something, and that the others are thin-walled.
 #include "worker/scene/open_surfaces.h"
+#include "shared/job/appearance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

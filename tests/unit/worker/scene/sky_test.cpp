@@ -1,3 +1,4 @@
+#include "shared/job/job.h"
 #include "worker/scene/sky.h"
 
 #include <gtest/gtest.h>
