@@ -40,9 +40,14 @@ uint faceKind(uint material) {
     return (flags & MATERIAL_THIN) != 0u ? FACE_PANE : FACE_SOLID;
 }
 
+// Of a shape; of fields no face coincides with another.
+ShapePoint coincidentPoint(Candidate found, Ray ray) {
+    return shapePointAt(LOAD(bvhTriangles, found.texel).x, ray.origin, ray.direction, found.t, false);
+}
+
 vec3 faceNormal(Candidate found, Ray ray) {
     if (has(FEATURE_SHAPES) && (LOAD(bvhTriangles, found.texel).w & kBvhShape) != 0u)
-        return shapePointAt(LOAD(bvhTriangles, found.texel).x, ray.origin, ray.direction, found.t).normal;
+        return coincidentPoint(found, ray).normal;
     vec3 corner[3];
     loadCorners(Hit(0.0, found.primitive, vec2(0), found.texel), corner);
     vec3 a = corner[1] - corner[0], b = corner[2] - corner[0];
@@ -52,10 +57,10 @@ vec3 faceNormal(Candidate found, Ray ray) {
 // Adds the face at a texel if it has the ray's origin in it and lies in the ray's start plane.
 void addCoincident(uint texel, Ray ray, ShearRay shear, inout Faces faces) {
     Candidate found = Candidate(ray.tMax, kNoPrimitive, 0u);
-    hitTriangle(texel, ray, shear, found);
+    hitPrimitive(texel, ray, shear, false, found);
     if (found.primitive == kNoPrimitive || faces.count == kMostCoincident) return;
     bool isShape_ = has(FEATURE_SHAPES) && (LOAD(bvhTriangles, texel).w & kBvhShape) != 0u;
-    bool coplanar = isShape_ ? isCoplanarShape(LOAD(bvhTriangles, texel).x, ray, found.t) : isCoplanarTriangle(texel, ray);
+    bool coplanar = isShape_ ? isCoplanarShape(LOAD(bvhTriangles, texel).x, ray, coincidentPoint(found, ray)) : isCoplanarTriangle(texel, ray);
     if (!coplanar) return;
     bool front = dot(faceNormal(found, ray), ray.direction) <= 0.0;
     uint kind = faceKind(loadPrimitive(found.primitive).material);

@@ -42,10 +42,8 @@ bool isCoplanarTriangle(uint triangle, Ray ray) {
     return abs(distance) <= bound;
 }
 
-// Likewise the surface of a shape that the ray meets at t.
-bool isCoplanarShape(uint shape, Ray ray, float t) {
-    if (loadShape(shape).kind == SHAPE_FIELD) return false;
-    ShapePoint p = shapePointAt(shape, ray.origin, ray.direction, t);
+// Likewise a shape's surface around a point of it.
+bool isCoplanarShape(uint shape, Ray ray, ShapePoint p) {
     if (!parallelToStart(ray, p.normal)) return false;
     vec3 centre = vec3(shapeTexel(shape, 1u).w, shapeTexel(shape, 2u).w, shapeTexel(shape, 3u).w);
     float distance = dot(p.normal, p.position - ray.origin);

@@ -168,25 +168,34 @@ bool mayCull(Ray ray, uint tag) { return kBvhCulls && ray.culls && (tag & kBvhSi
 // the ray may go down.
 bool isBack(float determinant, ShearRay shear) { return (determinant < 0.0) != (shear.shear.z < 0.0); }
 
+// Whether a crossing with a shape counts that the ray meets at t, its s.
+bool countsOnShape(uint shape, ShapeHead head, uint tag, Ray ray, ShapeRay own, float s, float t, uint key, bool fields) {
+    bool culls = mayCull(ray, tag), starts = kBvhCoincident && t < ray.startReach && head.kind != SHAPE_FIELD;
+    bool asks = kBvhNonOpaque && (tag & kBvhAskAccept) != 0u;
+    if (!culls && !starts && !asks) return true;
+    // Once for all three: points on fields are large code.
+    OwnPoint o = ownPoint(shape, head, ownPosition(shape, head, own, s), fields);
+    if (culls && leavesShape(shape, head, own, s, o)) return false;
+    if (starts && isCoplanarShape(shape, ray, shapePoint(shape, head, own, s, o))) return false;
+    return !asks || acceptHit(tag & kBvhPrimitive, o.uv, key);
+}
+
 // The shape that the texels at `slot` name, against the ray. A shape is crossed several times: what a cut-out lets
-// through at the first crossing may stop at the next.
-void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candidate best) {
+// through at the first crossing may stop at the next. `fields`: false, as a constant, passes over fields.
+void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, bool fields, inout Candidate best) {
     uint primitive = tag & kBvhPrimitive;
     ShapeHead head = loadShape(shape);
     if (isFlat(head.kind) && primitive == ray.skipPrimitive) return;
+    if (!fields && head.kind == SHAPE_FIELD) return;
     ShapeRay own = shapeRay(shape, head, ray.origin, ray.direction);
     ShapeCrossings crossings = shapeCrossings(shape, head, own, tMin, best.t);
     float after = tMin;
     for (uint crossing = 0u; crossing < kMostCrossings; ++crossing) {
         float s;
-        if (!nextCrossing(shape, head, own, crossings, after, best.t, s)) return;
+        if (!nextCrossing(shape, head, own, crossings, after, best.t, fields, s)) return;
         float t = s * own.scale;
         if (!(t < best.t || (t == best.t && primitive < best.primitive))) return;
-        bool counts = !(mayCull(ray, tag) && leavesShape(shape, head, own, s));
-        if (kBvhCoincident && counts && t < ray.startReach) counts = !isCoplanarShape(shape, ray, t);
-        if (kBvhNonOpaque && counts && (tag & kBvhAskAccept) != 0u)
-            counts = acceptHit(primitive, shapeUv(shape, head, own, s), ray.key + crossing * 0x9e3779b9u);
-        if (counts) {
+        if (countsOnShape(shape, head, tag, ray, own, s, t, ray.key + crossing * 0x9e3779b9u, fields)) {
             best = Candidate(t, primitive, slot);
             return;
         }
@@ -194,15 +203,15 @@ void hitShape(uint slot, uint shape, uint tag, Ray ray, float tMin, inout Candid
     }
 }
 
-// The triangle at a texel against the ray; `best` becomes the nearer of both. The three corners are the three
+// The triangle or shape at a texel against the ray; `best` becomes the nearer of both. The three corners are the three
 // components of a vector per axis.
-void hitTriangle(uint triangle, Ray ray, ShearRay shear, inout Candidate best) {
+void hitPrimitive(uint triangle, Ray ray, ShearRay shear, bool fields, inout Candidate best) {
     uvec4 texelX = LOAD(bvhTriangles, triangle + shear.axis.x);
     uvec4 texelY = LOAD(bvhTriangles, triangle + shear.axis.y);
     uvec4 texelZ = LOAD(bvhTriangles, triangle + shear.axis.z);
     uint primitive = texelX.w & kBvhPrimitive;
     if (kBvhShapes && (texelX.w & kBvhShape) != 0u) {
-        hitShape(triangle, texelX.x, texelX.w, ray, shear.tMin, best);
+        hitShape(triangle, texelX.x, texelX.w, ray, shear.tMin, fields, best);
         return;
     }
     // `precise` throughout: the triangles on both sides of an edge must compute its corners and its edge function alike.
@@ -280,7 +289,7 @@ vec2 barycentricsOf(ShearRay shear, uint triangle) {
 // Tests the first triangle of a leaf; true if that was its last one, else `leaf` holds the rest. One triangle a time,
 // so that lanes with full leaves do not hold up the others for long (5 % on lavapipe against a loop over the leaf).
 bool finishLeaf(inout uint leaf, Ray ray, ShearRay shear, inout Candidate best) {
-    hitTriangle(leaf & kBvhAddress, ray, shear, best);
+    hitPrimitive(leaf & kBvhAddress, ray, shear, true, best);
     bool last = (leaf & kBvhCount) == 0u;
     if (!last) leaf += kBvhTriangleTexels - (1u << kBvhCountShift);
     return last;

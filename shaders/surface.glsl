@@ -154,7 +154,7 @@ mat3 shadingFrame(Surface s, vec4 tangent, vec3 ns, vec3 n) {
 
 // The point of a shape, surfaces other than triangles.
 Surface shapeSurface(Hit hit, Ray ray) {
-    ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t);
+    ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t, true);
     Surface s;
     s.position = p.position;
     s.positionError = p.error;

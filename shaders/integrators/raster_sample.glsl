@@ -42,7 +42,7 @@ Ray rasterRay(uvec2 pixel, uint index) {
 bool hitShapeAlone(uint slot, Ray ray, out Hit hit) {
     uvec4 head = LOAD(bvhTriangles, slot);
     Candidate best = Candidate(ray.tMax, kNoPrimitive, 0u);
-    hitShape(slot, head.x, head.w, ray, ray.tMin, best);
+    hitShape(slot, head.x, head.w, ray, ray.tMin, true, best);
     hit = Hit(best.t, best.primitive, vec2(0), slot);
     return best.primitive != kNoPrimitive;
 }

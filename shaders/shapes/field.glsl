@@ -135,14 +135,15 @@ vec3 coneGradient(vec3 p, vec3 size) {
     return around(p, along > 0.0 && along < 1.0 ? slanted : unitOr(side, slanted));
 }
 
+// Differences towards the corners of a tetrahedron. (One call in a loop: kernels grow with every copy of the distance.)
 vec3 mandelbulbGradient(FieldInstruction i, vec3 p) {
     const float h = 2e-4;
-    const vec2 k = vec2(1, -1);
     uint iterations = uint(i.parameters.y);
-    vec3 sum = k.xyy * mandelbulbDistance(p + h * k.xyy, i.parameters.x, iterations) +
-               k.yyx * mandelbulbDistance(p + h * k.yyx, i.parameters.x, iterations) +
-               k.yxy * mandelbulbDistance(p + h * k.yxy, i.parameters.x, iterations) +
-               k.xxx * mandelbulbDistance(p + h * k.xxx, i.parameters.x, iterations);
+    vec3 sum = vec3(0);
+    for (uint corner = 0u; corner < 4u; ++corner) {
+        vec3 k = corner == 0u ? vec3(1, -1, -1) : corner == 1u ? vec3(-1, -1, 1) : corner == 2u ? vec3(-1, 1, -1) : vec3(1);
+        sum += k * mandelbulbDistance(p + h * k, i.parameters.x, iterations);
+    }
     float length_ = length(sum);
     return length_ > 0.0 ? sum / length_ : normalize(p + vec3(0, 1e-6, 0));
 }
@@ -180,46 +181,52 @@ vec4 fieldGradient(uint program, uint instructions, vec3 p) {
     return stack[0];
 }
 
-// Where between `low` and `high`, on two sides of the surface, it is.
-float bisected(uint program, uint instructions, vec3 f, vec3 u, float skin, bool inside, float low, float high) {
-    for (uint i = 0u; i < kFieldHalvings && high - low > 1e-7 * high; ++i) {
-        float middle = 0.5 * (low + high);
-        if (fieldDistance(program, instructions, f + middle * u) < skin == inside) low = middle;
-        else high = middle;
-    }
-    return high;
-}
-
 // The first change of side along the unit direction u between `from` and `to`. Steps are as long as the distance allows
 // but never below the resolution, so that a ray neither stops short of the surface nor stays on the one it starts on;
-// having crossed shows by the sign, also where a step was too long for the field.
+// having crossed shows by the sign, also where a step was too long for the field. When the steps run out (a ray that hugs
+// the surface) what is left is looked at by even steps. A change found is narrowed by halving. All in one loop with one
+// call of the distance: it is what kernels with fields consist of, and compiling takes as long as they are large.
 bool fieldCrossing(uint program, uint instructions, vec3 f, vec3 u, float from, float to, float stepScale, float size, out float at) {
+    const uint kMarch = kFieldSteps + 1u, kScan = kMarch + kFieldScan;  // looks up to the end of each phase
+    float least = kFieldResolution * size, skin = kFieldRounding * size, level = skin;
+    float distance = 0.0, next = from, high = from, scanStep = 0.0;
+    bool inside = false, narrows = false;
+    uint halvings = 0u;
     at = from;
-    float distance = fieldDistance(program, instructions, f + from * u);
-    float least = kFieldResolution * size, skin = kFieldRounding * size;
-    bool inside = distance < skin;
-    for (uint i = 0u; i < kFieldSteps && at < to; ++i) {
-        float next = min(at + max(abs(distance) * stepScale, max(least, 1e-7 * at)), to);
+    for (uint look = 0u; look < kScan || narrows; ++look) {
         float before = distance;
         distance = fieldDistance(program, instructions, f + next * u);
-        if (distance < skin != inside) {
+        if (narrows) {
+            if (distance < level == inside) at = next;
+            else high = next;
+        } else if (look == 0u) {
+            inside = distance < skin;
+        } else if (distance < skin != inside) {
             // To the surface itself, unless only its skin has been crossed.
-            float level = min(before, distance) < 0.0 ? 0.0 : skin;
-            at = bisected(program, instructions, f, u, level, inside, at, next);
-            return true;
+            if (look < kMarch) level = min(before, distance) < 0.0 ? 0.0 : skin;
+            high = next;
+            narrows = true;
+        } else {
+            at = next;
         }
-        at = next;
-    }
-    if (at >= to) return false;
-    // A ray that hugs the surface: what is left is looked at by even steps.
-    float step_ = (to - at) / float(kFieldScan);
-    for (uint i = 0u; i < kFieldScan; ++i) {
-        float next = at + step_;
-        if (fieldDistance(program, instructions, f + next * u) < skin != inside) {
-            at = bisected(program, instructions, f, u, skin, inside, at, next);
-            return true;
+        if (narrows) {
+            if (halvings++ == kFieldHalvings || !(high - at > 1e-7 * high)) {
+                at = high;
+                return true;
+            }
+            next = 0.5 * (at + high);
+            continue;
         }
-        at = next;
+        if (look + 1u < kMarch) {
+            if (!(at < to)) return false;
+            next = min(at + max(abs(distance) * stepScale, max(least, 1e-7 * at)), to);
+        } else {
+            if (look + 1u == kMarch) {
+                if (at >= to) return false;
+                scanStep = (to - at) / float(kFieldScan);
+            }
+            next = at + scanStep;
+        }
     }
     return false;
 }

@@ -102,9 +102,9 @@ bool nextFieldCrossing(uint shape, ShapeHead head, ShapeRay ray, vec2 box, float
     return true;
 }
 
-// The first crossing beyond t = `after`, as s.
-bool nextCrossing(uint shape, ShapeHead head, ShapeRay ray, ShapeCrossings crossings, float after, float tMax, out float s) {
-    if (kBvhFields && head.kind == SHAPE_FIELD && crossings.any)
+// The first crossing beyond t = `after`, as s. `fields`: false, as a constant, where none of them can be.
+bool nextCrossing(uint shape, ShapeHead head, ShapeRay ray, ShapeCrossings crossings, float after, float tMax, bool fields, out float s) {
+    if (kBvhFields && fields && head.kind == SHAPE_FIELD && crossings.any)
         return nextFieldCrossing(shape, head, ray, crossings.s, after, tMax, s) && s * ray.scale > after;
     s = crossings.s.x * ray.scale > after ? crossings.s.x : crossings.s.y;
     return crossings.any && s * ray.scale > after;
@@ -207,7 +207,8 @@ OwnPoint fieldPoint(uint shape, ShapeHead head, vec3 p) {
     return o;
 }
 
-OwnPoint ownPoint(uint shape, ShapeHead head, vec3 p) {
+// `fields`: false, as a constant, where none of them can be.
+OwnPoint ownPoint(uint shape, ShapeHead head, vec3 p, bool fields) {
     switch (head.kind) {
         case SHAPE_SPHERE:
         case SHAPE_ELLIPSOID: return spherePoint(p);
@@ -217,7 +218,8 @@ OwnPoint ownPoint(uint shape, ShapeHead head, vec3 p) {
         case SHAPE_CYLINDER: return cylinderPoint(p, shapeSize(shape));
         case SHAPE_CAPSULE: return capsulePoint(p, shapeSize(shape));
     }
-    return kBvhFields ? fieldPoint(shape, head, p) : spherePoint(p);
+    if (kBvhFields && fields) return fieldPoint(shape, head, p);
+    return spherePoint(p);
 }
 
 // Where the ray is at s, one of its crossings.
@@ -235,14 +237,9 @@ vec3 ownPosition(uint shape, ShapeHead head, ShapeRay ray, float s) {
     return p;
 }
 
-vec2 shapeUv(uint shape, ShapeHead head, ShapeRay ray, float s) {
-    return ownPoint(shape, head, ownPosition(shape, head, ray, s)).uv;
-}
-
 // Whether the ray is on its way out at a crossing, or comes from behind a flat one: it sees a back face.
-bool leavesShape(uint shape, ShapeHead head, ShapeRay ray, float s) {
-    vec3 p = rayPosition(shape, head, ray, s);
-    return dot(head.kind <= SHAPE_ELLIPSOID ? p : ownPoint(shape, head, p).normal, ray.d) > 0.0;
+bool leavesShape(uint shape, ShapeHead head, ShapeRay ray, float s, OwnPoint own) {
+    return dot(head.kind <= SHAPE_ELLIPSOID ? rayPosition(shape, head, ray, s) : own.normal, ray.d) > 0.0;
 }
 
 struct ShapePoint {
@@ -254,12 +251,8 @@ struct ShapePoint {
     uint material;
 };
 
-// The point at t of the ray, which has hit the shape there.
-ShapePoint shapePointAt(uint shape, vec3 origin, vec3 direction, float t) {
-    ShapeHead head = loadShape(shape);
-    ShapeRay ray = shapeRay(shape, head, origin, direction);
-    float s = t / ray.scale;
-    OwnPoint o = ownPoint(shape, head, ownPosition(shape, head, ray, s));
+// The point at s of the ray, which has hit the shape there, brought to the world.
+ShapePoint shapePoint(uint shape, ShapeHead head, ShapeRay ray, float s, OwnPoint o) {
     vec4 x = shapeTexel(shape, 1u), y = shapeTexel(shape, 2u), z = shapeTexel(shape, 3u);
     vec4 toX = shapeTexel(shape, 4u), toY = shapeTexel(shape, 5u), toZ = shapeTexel(shape, 6u);
     vec3 centre = vec3(x.w, y.w, z.w);
@@ -290,6 +283,14 @@ ShapePoint shapePointAt(uint shape, vec3 origin, vec3 direction, float t) {
     tangent -= dot(tangent, result.normal) * result.normal;
     result.tangent = vec4(normalize(tangent), (head.flags & SHAPE_MIRRORED) != 0u ? -1.0 : 1.0);
     return result;
+}
+
+// The point at t of the ray, which has hit the shape there.
+ShapePoint shapePointAt(uint shape, vec3 origin, vec3 direction, float t, bool fields) {
+    ShapeHead head = loadShape(shape);
+    ShapeRay ray = shapeRay(shape, head, origin, direction);
+    float s = t / ray.scale;
+    return shapePoint(shape, head, ray, s, ownPoint(shape, head, ownPosition(shape, head, ray, s), fields));
 }
 
 #endif

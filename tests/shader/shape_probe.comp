@@ -51,7 +51,7 @@ void main() {
         for (uint k = 0u; k < 6u; ++k) results[6u * i + k] = vec4(-1);
         return;
     }
-    ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t);
+    ShapePoint p = shapePointAt(shapeOf(hit), ray.origin, ray.direction, hit.t, true);
     results[6u * i] = vec4(hit.t, float(hit.primitive), float(p.material), 0.0);
     results[6u * i + 1u] = vec4(p.position, p.uv.x);
     results[6u * i + 2u] = vec4(p.error, p.uv.y);
