@@ -18,17 +18,11 @@ using nlohmann::json;
 // A row of tiles is in memory when an image is written.
 constexpr uint64_t kMostTileRowBytes = 1ull << 30;
 
-std::string escaped(const std::string& path) {
-    std::string pointer;
-    for (const char c : path) pointer += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-    return pointer;
-}
-
 void requireBlobs(const Services& s, const JobSpec& spec) {
     std::vector<Fault> faults;
     for (const auto& [path, sha256] : spec.scene.files) {
         if (!s.blobs.size(sha256)) {
-            faults.push_back({"/scene/files/" + escaped(path), "blob " + sha256 + " is not on the server"});
+            faults.push_back({"/scene/files/" + pointerToken(path), "blob " + sha256 + " is not on the server"});
         }
     }
     if (faults.empty()) return;

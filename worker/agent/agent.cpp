@@ -67,7 +67,7 @@ void Agent::step() {
         work(*lease, kept);
         return;  // the Uploader lets go of the lease
     } catch (const Abandoned&) {
-        if (kept->state == LeaseState::held) {
+        if (kept->state == LeaseValidity::valid) {
             handBack(*kept);
             with_.pause.waitFor(failures_.next());  // the same lease may come back at once
         }
@@ -182,7 +182,7 @@ std::vector<PassFilm> Agent::renderPasses(const Lease& lease, const HeldLease& h
 // Uploads what there is, also when the lease was lost meanwhile: the server takes what it still needs.
 void Agent::finish(const Lease& lease, const std::shared_ptr<HeldLease>& held, std::vector<PassFilm> films,
                    double deviceSeconds) {
-    if (held->state == LeaseState::gone || films.empty()) throw Abandoned();
+    if (held->state == LeaseValidity::jobGone || films.empty()) throw Abandoned();
     FinishedResult result;
     result.leaseId = lease.id;
     result.epoch = lease.epoch;
@@ -206,7 +206,7 @@ void Agent::handBack(const HeldLease& held) {
 
 void Agent::reportFailure(const HeldLease& held, const std::string& message) {
     away_.reset();
-    while (held.state == LeaseState::held) {
+    while (held.state == LeaseValidity::valid) {
         try {
             return with_.farm.reportFailure(held.id, held.epoch, message);
         } catch (const Error& error) {
@@ -228,7 +228,7 @@ void Agent::letGo() {
 }
 
 bool Agent::mayGoOn(const HeldLease& held) const {
-    return held.state == LeaseState::held && !with_.pause.stopping() && !with_.standing.stopped();
+    return held.state == LeaseValidity::valid && !with_.pause.stopping() && !with_.standing.stopped();
 }
 
 }  // namespace tilefarm

@@ -62,13 +62,13 @@ void LeaseKeeper::renew(HeldLease& lease) {
             case Action::dropJob:
                 spdlog::info("job {} is no longer wanted: {}", lease.jobId, error.what());
                 standing_.jobGone(lease.jobId);
-                lease.state = LeaseState::gone;
+                lease.state = LeaseValidity::jobGone;
                 release(lease);
                 return;
             case Action::dropLease:
             case Action::refused:
                 spdlog::warn("lost lease {}: {}", lease.id, error.what());
-                lease.state = LeaseState::lost;
+                lease.state = LeaseValidity::lost;
                 release(lease);
                 return;
             case Action::retry:

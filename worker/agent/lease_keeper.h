@@ -13,10 +13,11 @@
 
 namespace tilefarm {
 
-enum class LeaseState {
-    held,
-    lost,  // the server counts without it; what is rendered already may still be of use
-    gone,  // its job is gone
+/// Whether the server still counts with a lease.
+enum class LeaseValidity {
+    valid,
+    lost,     // the server counts without it; what is rendered already may still be of use
+    jobGone,  // its job is gone
 };
 
 /// A lease as the threads of a worker share it.
@@ -27,7 +28,7 @@ struct HeldLease {
     const uint64_t epoch;
     const std::string jobId;
     const Milliseconds renewEvery;
-    std::atomic<LeaseState> state = LeaseState::held;
+    std::atomic<LeaseValidity> state = LeaseValidity::valid;
 };
 
 /// Renews leases from the grant until the server has their results. Any thread may call, but only one

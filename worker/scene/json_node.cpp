@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "shared/error/error.h"
+#include "shared/job/wire.h"
 
 namespace tilefarm {
 namespace {
@@ -17,20 +18,6 @@ using nlohmann::json;
 constexpr int kMaxDepth = 128;
 constexpr size_t kMostWarnings = 200;
 constexpr const char* kInvalid = "not valid glTF";
-
-std::string escapePointer(std::string_view key) {
-    std::string escaped;
-    for (char c : key) {
-        if (c == '~') {
-            escaped += "~0";
-        } else if (c == '/') {
-            escaped += "~1";
-        } else {
-            escaped += c;
-        }
-    }
-    return escaped;
-}
 
 [[noreturn]] void failDocument(const std::string& file, const std::string& fault) {
     throw Error(ErrorCode::invalidArgument, fmt::format("{}: {}", file, fault));
@@ -94,7 +81,7 @@ private:
     std::string place() const {
         std::string place;
         for (const Level& level : levels_) {
-            place += "/" + escapePointer(level.step);
+            place += "/" + pointerToken(level.step);
         }
         return place;
     }
@@ -106,7 +93,7 @@ private:
 }  // namespace
 
 JsonNode JsonNode::operator[](std::string_view key) const {
-    std::string place = place_ + "/" + escapePointer(key);
+    std::string place = place_ + "/" + pointerToken(key);
     if (!value_) {
         return {nullptr, std::move(place), source_};
     }

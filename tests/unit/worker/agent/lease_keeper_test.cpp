@@ -43,7 +43,7 @@ TEST_F(LeaseKeeperTest, RenewsNoMoreOnceReleased) {
     clock.advance(Milliseconds(60'000));
     keeper.renewDue();
     EXPECT_THAT(farm.renewed, testing::IsEmpty());
-    EXPECT_EQ(held->state, LeaseState::held);
+    EXPECT_EQ(held->state, LeaseValidity::valid);
 }
 
 TEST_F(LeaseKeeperTest, NotesThatALeaseIsLost) {
@@ -52,7 +52,7 @@ TEST_F(LeaseKeeperTest, NotesThatALeaseIsLost) {
         farm.fail(Endpoint::renew, code);
         clock.advance(Milliseconds(10'000));
         keeper.renewDue();
-        EXPECT_EQ(held->state, LeaseState::lost);
+        EXPECT_EQ(held->state, LeaseValidity::lost);
         EXPECT_FALSE(standing.isGone("job1"));
     }
     clock.advance(Milliseconds(60'000));
@@ -65,7 +65,7 @@ TEST_F(LeaseKeeperTest, NotesThatAJobIsGone) {
     farm.fail(Endpoint::renew, ErrorCode::gone);
     clock.advance(Milliseconds(10'000));
     keeper.renewDue();
-    EXPECT_EQ(held->state, LeaseState::gone);
+    EXPECT_EQ(held->state, LeaseValidity::jobGone);
     EXPECT_TRUE(standing.isGone("job1"));
 }
 
@@ -79,7 +79,7 @@ TEST_F(LeaseKeeperTest, TriesAgainSoonWhileTheServerIsAway) {
     clock.advance(Milliseconds(2'000));
     EXPECT_EQ(keeper.renewDue(), Milliseconds(10'000));
     EXPECT_THAT(farm.renewed, testing::ElementsAre("a"));
-    EXPECT_EQ(held->state, LeaseState::held);
+    EXPECT_EQ(held->state, LeaseValidity::valid);
 }
 
 TEST_F(LeaseKeeperTest, StopsTheWorkerWhenItsTokenIsNoLongerTaken) {
