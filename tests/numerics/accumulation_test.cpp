@@ -82,7 +82,7 @@ TEST_F(HardSums, HardCase43_InjectedNaN) {
     const Camera camera = cameraAt({0, 0, 3}, {0, 0, 0}, 1);
     const Shot shot{.size = 128, .samples = 64, .maxBounces = 1};
     Shot injected = shot;
-    injected.alsoCompiled = gpu::bit(gpu::FEATURE_FAULT_INJECTION);
+    injected.forcedFeatures = gpu::bit(gpu::FEATURE_FAULT_INJECTION);
     const Picture clean = render(device, scene, camera, shot),
                   picture = render(device, scene, camera, injected);
     EXPECT_TRUE(allFinite(picture));
@@ -128,7 +128,7 @@ TEST_F(HardSums, HardCase43_ADroppedSampleCanBeRenderedAlone) {
     addMesh(scene, cubeMesh(true), matte(glm::vec3(0.5f), glm::vec3(0.5f)));
     const Camera camera = cameraAt({0, 0, 0}, {0.3, 0.2, -1}, 1.2);
     const Shot shot{.size = 16, .maxBounces = 5};
-    Renderer traced(device, scene, camera, imageOf(shot), settingsOf(shot), gpu::bit(gpu::FEATURE_TRACE));
+    Renderer traced(device, scene, camera, imageOf(shot), settingsOf(shot), {}, gpu::bit(gpu::FEATURE_TRACE));
     Renderer plain(device, scene, camera, imageOf(shot), settingsOf(shot));
     const auto film = plain.render(0, std::vector<uint32_t>{0}, {7, 1});
     const SampleTrace trace = traced.trace(0, 11, 6, 7);

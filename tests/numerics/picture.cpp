@@ -28,7 +28,7 @@ RenderSettings settingsOf(const Shot& shot) {
 
 Picture render(const gpu::Device& device, const Scene& scene, const Camera& camera, const Shot& shot) {
     const ImageSpec image = imageOf(shot);
-    Renderer renderer(device, scene, camera, image, settingsOf(shot), shot.alsoCompiled);
+    Renderer renderer(device, scene, camera, image, settingsOf(shot), {}, shot.forcedFeatures);
     const TileGrid grid(image);
     std::vector<uint32_t> indices(grid.count());
     std::iota(indices.begin(), indices.end(), 0u);

@@ -22,7 +22,7 @@ struct Shot {
     uint32_t maxBounces = 4;
     uint32_t rouletteStart = 4;
     uint32_t seed = 1;
-    uint64_t alsoCompiled = 0;
+    uint64_t forcedFeatures = 0;
     DirectLight directLight = DirectLight::mis;
     LightSelection lightSelection = LightSelection::power;
     double clampDirect = 0, clampIndirect = 0, regularisation = 0;  // off, as a job has them

@@ -54,8 +54,7 @@ protected:
 
     std::vector<FilmTile> render(const View& view, const FilmLayout& layout, const ImageSpec& image,
                                  const RenderSettings& settings, uint32_t samples, uint64_t features = 0) {
-        Renderer renderer(device, view.scene, view.camera, image, settings,
-                          outputFeatures(layout) | features);
+        Renderer renderer(device, view.scene, view.camera, image, settings, layout, features);
         const TileGrid grid(image);
         std::vector<FilmTile> tiles;
         for (uint32_t i = 0; i < grid.count(); ++i) tiles.emplace_back(grid.rect(i), layout);
@@ -441,12 +440,12 @@ TEST_F(ChannelsTest, TilesAndFurtherChannelsChangeNoBits) {
 
 TEST_F(ChannelsTest, StepsOfAPathStandBehindTheLongerPixels) {
     const View view = room();
-    const auto trace = [&](uint64_t features) {
-        Renderer renderer(device, view.scene, view.camera, square(16), bounces(4),
-                          gpu::bit(gpu::FEATURE_TRACE) | features);
+    const auto trace = [&](const FilmLayout& layout) {
+        Renderer renderer(device, view.scene, view.camera, square(16), bounces(4), layout,
+                          gpu::bit(gpu::FEATURE_TRACE));
         return renderer.trace(0, 5, 9, 3);
     };
-    const SampleTrace plain = trace(0), with = trace(outputFeatures(kAll));
+    const SampleTrace plain = trace({}), with = trace(kAll);
     EXPECT_EQ(with.radiance, plain.radiance);
     ASSERT_EQ(with.steps.size(), plain.steps.size());
     for (size_t i = 0; i < plain.steps.size(); ++i)

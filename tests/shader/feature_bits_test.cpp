@@ -90,11 +90,11 @@ std::string namesOf(uint64_t features) {
 
 class FeatureBitsTest : public DeviceTest, public testing::WithParamInterface<uint32_t> {
 protected:
-    Rendered render(const View& view, uint64_t alsoCompiled) {
+    Rendered render(const View& view, uint64_t forcedFeatures) {
         RenderSettings settings;
         settings.maxBounces = 5;
         settings.culling = Culling::none;
-        Renderer renderer(device, view.scene, view.camera, smallImage(), settings, alsoCompiled);
+        Renderer renderer(device, view.scene, view.camera, smallImage(), settings, {}, forcedFeatures);
         return {renderer.render(0, std::vector<uint32_t>{0}, {0, 4}).front().pixels, renderer.featureBits()};
     }
 

@@ -138,7 +138,7 @@ protected:
         uint64_t features = 0;
     };
 
-    Cells render(uint64_t within, uint64_t alsoCompiled = 0) {
+    Cells render(uint64_t within, uint64_t forcedFeatures = 0) {
         const uint32_t rows = rowsFor(list.size());
         ImageSpec image;
         image.width = kColumns * kCell;
@@ -150,7 +150,7 @@ protected:
         RenderSettings settings;
         settings.maxBounces = 4;
         settings.culling = Culling::none;
-        Renderer renderer(device, cellsWithin(within), camera, image, settings, alsoCompiled);
+        Renderer renderer(device, cellsWithin(within), camera, image, settings, {}, forcedFeatures);
         return {renderer.render(0, std::vector<uint32_t>{0}, {0, 4}).front().pixels, renderer.featureBits()};
     }
 

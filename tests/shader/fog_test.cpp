@@ -319,7 +319,7 @@ TEST_F(FogTest, ScatteringsStandInTheTraceOfASample) {
     Scene scene;
     scene.environment = uniformEnvironment(glm::vec3(1));
     scene.fog = within(fogOf(glm::dvec3(3), kWhite), glm::dvec3(-1), glm::dvec3(1));
-    Renderer renderer(device, scene, narrow({0, 0, 5}, {0, 0, 0}), square(8), bounces(32),
+    Renderer renderer(device, scene, narrow({0, 0, 5}, {0, 0, 0}), square(8), bounces(32), {},
                       gpu::bit(gpu::FEATURE_TRACE));
     const SampleTrace trace = renderer.trace(0, 4, 4, 0);
     ASSERT_GE(trace.steps.size(), 2u);

@@ -26,7 +26,7 @@ class LayersRenderTest : public DeviceTest {
 protected:
     /// A 16 × 16 picture.
     std::vector<PassPixel> pixels(const Scene& scene, const Camera& camera, uint32_t samples,
-                                  uint32_t bounces, uint64_t alsoCompiled = 0) {
+                                  uint32_t bounces, uint64_t forcedFeatures = 0) {
         ImageSpec image;
         image.width = image.height = 16;
         image.tileSize = 16;
@@ -34,7 +34,7 @@ protected:
         settings.maxBounces = bounces;
         settings.rouletteStart = bounces;
         settings.culling = Culling::none;
-        Renderer renderer(device, scene, camera, image, settings, alsoCompiled);
+        Renderer renderer(device, scene, camera, image, settings, {}, forcedFeatures);
         return renderer.render(0, std::vector<uint32_t>{0}, {0, samples}).front().pixels;
     }
 

@@ -6,7 +6,6 @@
 
 #include "shared/error/error.h"
 #include "worker/render/hidden_lights.h"
-#include "worker/render/output_features.h"
 #include "worker/scene/timeline.h"
 
 namespace tilefarm {
@@ -30,8 +29,8 @@ void addWarnings(const FeatureReport& features, std::vector<SceneWarning>& warni
 
 class DeviceBackend : public RenderBackend {
 public:
-    DeviceBackend(uint32_t index, gpu::DeviceOptions options, uint64_t alsoCompiled)
-        : index_(index), options_(options), alsoCompiled_(alsoCompiled) {
+    DeviceBackend(uint32_t index, gpu::DeviceOptions options, uint64_t forcedFeatures)
+        : index_(index), options_(options), forcedFeatures_(forcedFeatures) {
         device_.emplace(index_, options_);
         name_ = {device_->info().name, device_->info().driver};
     }
@@ -49,7 +48,7 @@ public:
         const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - begin;
 
         renderer_.emplace(*device_, timeline_->scene(frame_, 0), camera, spec.image, spec.settings,
-                          alsoCompiled_ | outputFeatures(filmLayoutOf(spec)));
+                          filmLayoutOf(spec), forcedFeatures_);
         if (timeline_->steps() > 1) showScenes();
         PreparedScene prepared;
         prepared.counts = countsOf(scene);
@@ -120,7 +119,7 @@ private:
 
     uint32_t index_;
     gpu::DeviceOptions options_;
-    uint64_t alsoCompiled_;
+    uint64_t forcedFeatures_;
     DeviceName name_;
     std::optional<gpu::Device> device_;  // outlives the renderer
     std::optional<Renderer> renderer_;
@@ -131,8 +130,8 @@ private:
 }  // namespace
 
 std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options,
-                                                 uint64_t alsoCompiled) {
-    return std::make_unique<DeviceBackend>(device, options, alsoCompiled);
+                                                 uint64_t forcedFeatures) {
+    return std::make_unique<DeviceBackend>(device, options, forcedFeatures);
 }
 
 }  // namespace tilefarm

@@ -8,8 +8,8 @@
 
 namespace tilefarm {
 
-/// RenderBackend on a Vulkan device; `alsoCompiled` as for Renderer. Throws as gpu::Device does.
+/// RenderBackend on a Vulkan device; `forcedFeatures` as for Renderer. Throws as gpu::Device does.
 std::unique_ptr<RenderBackend> makeDeviceBackend(uint32_t device, gpu::DeviceOptions options = {},
-                                                 uint64_t alsoCompiled = 0);
+                                                 uint64_t forcedFeatures = 0);
 
 }  // namespace tilefarm

@@ -72,7 +72,7 @@ struct Moment {
 
 struct Renderer::Impl {
     Impl(const gpu::Device& on, const Scene& source, const CameraPath& camera, const ImageSpec& size,
-         const RenderSettings& settings, uint64_t alsoCompiled);
+         const RenderSettings& settings, const FilmLayout& channels, uint64_t forced);
 
     void setCamera(const CameraPath& path);
     void setScenes(uint32_t steps, const std::function<const Scene&(uint32_t)>& sceneOf);
@@ -101,7 +101,7 @@ struct Renderer::Impl {
     DispatchBudget budget;
 
 private:
-    Moment makeMoment(const Scene& scene, uint64_t alsoCompiled, const GpuScene* like);
+    Moment makeMoment(const Scene& scene, uint64_t forced, const GpuScene* like);
     void setParameters(int32_t frame);
     void compileIfNeeded();
     void renderBatch(int32_t frame, std::span<const uint32_t> tiles, SampleRange samples,
@@ -122,15 +122,17 @@ private:
 };
 
 Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPath& path,
-                     const ImageSpec& size, const RenderSettings& how, uint64_t alsoCompiled)
+                     const ImageSpec& size, const RenderSettings& how, const FilmLayout& channels,
+                     uint64_t forced)
     : device(on),
       image(size),
       settings(how),
       kernel(kernelOf(how.integrator)),
       integrator(how, source.environment),
       grid(size),
-      wanted(samplingFeatures(how) | pathRuleFeatures(how) | kernel.calls | alsoCompiled),
-      layout(layoutOf(alsoCompiled & kernel.shows)),
+      wanted(samplingFeatures(how) | pathRuleFeatures(how) | kernel.calls | outputFeatures(channels) |
+             forced),
+      layout(layoutOf((outputFeatures(channels) | forced) & kernel.shows)),
       camera(path),
       tilesPerBatch(
           traces() ? 1
@@ -143,9 +145,9 @@ Renderer::Impl::Impl(const gpu::Device& on, const Scene& source, const CameraPat
     setScenes(1, [&](uint32_t) -> const Scene& { return source; });
 }
 
-Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t alsoCompiled, const GpuScene* like) {
+Moment Renderer::Impl::makeMoment(const Scene& scene, uint64_t forced, const GpuScene* like) {
     const WorldGeometry world = flatten(scene);
-    Moment moment{makeGpuScene(device, scene, world, settings, alsoCompiled, times, like),
+    Moment moment{makeGpuScene(device, scene, world, settings, forced, times, like),
                   world.centre,
                   world.degenerateTriangles,
                   world.lower,
@@ -425,12 +427,14 @@ SampleTrace Renderer::Impl::trace(int32_t frame, uint32_t x, uint32_t y, uint32_
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera,
-                   const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
-    : Renderer(device, scene, CameraPath{{camera}, std::nullopt}, image, settings, alsoCompiled) {}
+                   const ImageSpec& image, const RenderSettings& settings, const FilmLayout& channels,
+                   uint64_t forced)
+    : Renderer(device, scene, CameraPath{{camera}, std::nullopt}, image, settings, channels, forced) {}
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const CameraPath& camera,
-                   const ImageSpec& image, const RenderSettings& settings, uint64_t alsoCompiled)
-    : impl_(std::make_unique<Impl>(device, scene, camera, image, settings, alsoCompiled)) {}
+                   const ImageSpec& image, const RenderSettings& settings, const FilmLayout& channels,
+                   uint64_t forced)
+    : impl_(std::make_unique<Impl>(device, scene, camera, image, settings, channels, forced)) {}
 
 Renderer::~Renderer() = default;
 

@@ -36,11 +36,12 @@ struct RenderStats {
 
 /// One step of a path as Renderer::trace saw it.
 struct TraceStep {
-    glm::vec3 position{0};  // where it met a surface or fog scattered it; of a ray that left the scene its direction
-    float t = 0;            // along the ray; infinite for one that left
+    glm::vec3 position{
+        0};       // where it met a surface or fog scattered it; of a ray that left the scene its direction
+    float t = 0;  // along the ray; infinite for one that left
     glm::vec3 throughput{0};
-    float pdf = 0;          // of the direction that led here, 1/sr
-    glm::vec3 radiance{0};  // gathered up to here, light that this surface emits included
+    float pdf = 0;           // of the direction that led here, 1/sr
+    glm::vec3 radiance{0};   // gathered up to here, light that this surface emits included
     uint32_t primitive = 0;  // kNone: of fog, or where t is infinite none
 };
 
@@ -58,14 +59,14 @@ class Renderer {
 public:
     /// Packs and uploads the scene, builds its BVH and the kernel with the effects it calls for.
     /// `camera` has been selected for the frame. Throws Error(invalidArgument | unprocessable) if the
-    /// scene does not fit the device. `alsoCompiled`: FEATURE_* bits to compile in although the scene does not
-    /// call for them, which must not change a bit of the picture (tests/shader/feature_bits_test.cpp): those of
-    /// the channels that the job asks for beside (output_features.h) among them.
+    /// scene does not fit the device. `channels`: what films hold besides the picture. `forcedFeatures`:
+    /// FEATURE_* bits to compile in although neither scene nor channels call for them, which must not change
+    /// a bit of the picture (tests/shader/feature_bits_test.cpp).
     Renderer(const gpu::Device& device, const Scene& scene, const Camera& camera, const ImageSpec& image,
-             const RenderSettings& settings, uint64_t alsoCompiled = 0);
+             const RenderSettings& settings, const FilmLayout& channels = {}, uint64_t forcedFeatures = 0);
     /// Likewise with a camera that moves while the shutter is open.
     Renderer(const gpu::Device& device, const Scene& scene, const CameraPath& camera, const ImageSpec& image,
-             const RenderSettings& settings, uint64_t alsoCompiled = 0);
+             const RenderSettings& settings, const FilmLayout& channels = {}, uint64_t forcedFeatures = 0);
     ~Renderer();
 
     /// Moves the camera, and opens the shutter for as long as its path takes. Cheap: the scene stays as it
