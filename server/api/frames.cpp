@@ -4,6 +4,7 @@
 #include "server/api/resources.h"
 #include "server/api/services.h"
 #include "server/api/views.h"
+#include "server/report/accuracy.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
 #include "shared/image/tone.h"
@@ -64,11 +65,12 @@ HttpResponse getFrame(Services& s, HttpRequest& r) {
     HttpResponse response;
     s.store.read([&](const ConstTables& t) {
         const JobRow job = requireJob(t, r.parameter("job"));
-        if (!s.scheduler.catalog().get(job)->hasFrame(number)) {
+        const auto info = s.scheduler.catalog().get(job);
+        if (!info->hasFrame(number)) {
             throw Error(ErrorCode::notFound, "job '" + job.id + "' has no frame " + std::to_string(number));
         }
         json view = viewOf(t.frames.find(job.key, number), job.key, number);
-        view["errorCurve"] = errorCurve(t, job.key, number);
+        addAccuracy(view, t, job.key, number, info->spec.image);
         response = jsonResponse(200, dump(view));
     });
     return response;

@@ -4,6 +4,7 @@
 #include "server/api/resources.h"
 #include "server/api/services.h"
 #include "server/api/views.h"
+#include "server/report/accuracy.h"
 #include "server/report/job_report.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
@@ -126,8 +127,9 @@ HttpResponse getReport(Services& s, HttpRequest& r) {
         json report = jobReport(t, job);
         const auto info = s.scheduler.catalog().get(job);
         for (const FrameRow& frame : t.frames.list(job.key)) {
-            report["frames"].push_back(
-                {{"frame", frame.frame}, {"errorCurve", errorCurve(t, job.key, frame.frame)}});
+            json view{{"frame", frame.frame}};
+            addAccuracy(view, t, job.key, frame.frame, info->spec.image);
+            report["frames"].push_back(view);
         }
         response = jsonResponse(200, dump(report));
     });

@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "server/report/accuracy.h"
 #include "server/report/job_faults.h"
 #include "shared/error/error.h"
+#include "shared/film/notices.h"
 
 namespace tilefarm {
 
@@ -38,44 +39,32 @@ std::string dump(const json& value) {
     return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-// Levels at powers of two and the last: a job of a million samples has thousands of levels.
-json errorCurve(const ConstTables& t, JobKey job, int32_t frame) {
-    json curve = json::array();
-    const auto levels = t.frames.levels(job, frame);
-    const auto last =
-        std::find_if(levels.rbegin(), levels.rend(), [](const auto& l) { return l.deviceSeconds; });
-    for (const LevelRow& level : levels) {
-        if (!level.deviceSeconds || (!std::has_single_bit(level.samples) && level.samples != last->samples))
-            continue;
-        curve.push_back({{"samples", level.samples},
-                         {"relativeError", maybe(level.relativeError)},
-                         {"deviceSeconds", *level.deviceSeconds}});
-    }
-    return curve;
-}
-
 json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
     const auto info = catalog.get(job);
     const int32_t current = info->frame(std::min(job.framesDone, job.frames - 1));
-    return {{"id", job.id},
-            {"state", toString(job.state)},
-            {"spec", json::parse(job.specJson)},
-            {"createdAt", rfc3339(job.created)},
-            {"startedAt", maybe(job.started)},
-            {"finishedAt", maybe(job.finished)},
-            {"progress",
-             {{"passes", job.passes}, {"passesMerged", job.passesMerged}, {"fraction", job.fractionDone()}}},
-            {"samplesMerged", job.samplesMerged},
-            {"relativeError", maybe(job.relativeError)},
-            {"deviceSeconds", job.deviceSeconds},
-            {"droppedSamples", job.droppedSamples},
-            {"framesDone", job.framesDone},
-            {"setAside", job.setAside.empty() ? json() : json(job.setAside)},
-            {"faults", faultsOf(job)},
-            {"notices", noticesOf(job)},
-            {"flagged", isFlagged(job)},
-            {"numerics", numericsOf(job)},
-            {"errorCurve", errorCurve(t, job.key, current)}};
+    json view{
+        {"id", job.id},
+        {"state", toString(job.state)},
+        {"spec", json::parse(job.specJson)},
+        {"createdAt", rfc3339(job.created)},
+        {"startedAt", maybe(job.started)},
+        {"finishedAt", maybe(job.finished)},
+        {"progress",
+         {{"passes", job.passes}, {"passesMerged", job.passesMerged}, {"fraction", job.fractionDone()}}},
+        {"samplesMerged", job.samplesMerged},
+        {"relativeError", maybe(job.relativeError)},
+        {"deviceSeconds", job.deviceSeconds},
+        {"droppedSamples", job.droppedSamples},
+        {"framesDone", job.framesDone},
+        {"setAside", job.setAside.empty() ? json() : json(job.setAside)},
+        {"faults", faultsOf(job)},
+        {"notices", noticesOf(job)},
+        {"flagged", isFlagged(job)},
+        {"numerics", numericsOf(job)}};
+    const auto accuracy = addAccuracy(view, t, job.key, current, info->spec.image);
+    if (accuracy)
+        for (const std::string& notice : noticesOf(*accuracy)) view["notices"].push_back(notice);
+    return view;
 }
 
 json frameView(const FrameRow& frame) {

@@ -11,7 +11,6 @@ namespace tilefarm {
 /// The API's JSON of rows.
 nlohmann::json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog);
 nlohmann::json frameView(const FrameRow& frame);
-nlohmann::json errorCurve(const ConstTables& t, JobKey job, int32_t frame);
 nlohmann::json eventView(const EventRow& event);
 nlohmann::json workerView(const WorkerRow& worker, double samplesPerSecond);
 

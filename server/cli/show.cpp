@@ -68,6 +68,27 @@ std::string frameWords(const FrameSet& frames) {
     return fmt::format("frames {} to {}", frames.first, frames.first + int64_t{frames.count} - 1);
 }
 
+// What the number is worth, as far as the server knows.
+std::string accuracyWords(const json& view) {
+    std::string words;
+    if (const json range = view.value("relativeErrorInterval", json()); range.is_array() && range.size() == 2)
+        words += fmt::format(", 95 % in {:.4g} .. {:.4g}", range[0].get<double>(), range[1].get<double>());
+    if (const json tail = view.value("errorTail", json()); tail.is_object())
+        words += fmt::format("; the worst 0.1 % of pixels hold {:.0f} % of its square",
+                             100 * tail.at("worstShare").get<double>());
+    return words;
+}
+
+// As --pixel of tilefarm-worker render takes them.
+std::string worstPixels(const json& view) {
+    const json tail = view.value("errorTail", json());
+    if (!tail.is_object()) return {};
+    std::string words;
+    for (const json& pixel : tail.at("pixels"))
+        words += fmt::format(" {},{}", pixel.at("x").get<uint32_t>(), pixel.at("y").get<uint32_t>());
+    return words;
+}
+
 void printJob(const json& view, std::ostream& out) {
     const json& spec = view.at("spec");
     const json& image = spec.at("image");
@@ -79,7 +100,9 @@ void printJob(const json& view, std::ostream& out) {
                        cell(image, "height"), cell(spec.at("stop"), "samples"), frameWords(framesOf(spec)));
     out << fmt::format("  progress        {}, {} samples of the current frame\n", percent(view),
                        cell(view, "samplesMerged"));
-    out << fmt::format("  relative error  {}\n", cell(view, "relativeError"));
+    out << fmt::format("  relative error  {}{}\n", cell(view, "relativeError"), accuracyWords(view));
+    if (const std::string pixels = worstPixels(view); !pixels.empty())
+        out << fmt::format("  worst pixels   {}\n", pixels);
     out << fmt::format("  device seconds  {}\n", cell(view, "deviceSeconds"));
     out << fmt::format("  dropped samples {}\n", cell(view, "droppedSamples"));
     out << fmt::format("  created         {}\n  started         {}\n  finished        {}\n",

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "shared/error/error.h"
+#include "shared/film/error_sums.h"
 
 namespace tilefarm {
 namespace {
@@ -59,6 +60,9 @@ LevelRow measured(const ResultTarget& target, const FilmTile& film) {
             .samples = film.mergedSamples,
             .tiles = 1,
             .relativeVariance = sums.relativeVariance,
+            .errorSquares = sums.squares,
+            .borrowedVariance = sums.borrowed,
+            .errorTail = sums.tail,
             .droppedSamples = sums.droppedSamples,
             .relativeError = {},
             .deviceSeconds = {}};

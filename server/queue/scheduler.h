@@ -185,6 +185,7 @@ private:
     void commitPass(Tables& t, FrameRow& frame, PassRow pass, Tally& tally);
     void completeLevels(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info,
                         const ResultMerge& merge, double secondsBefore);
+    void dropTail(Tables& t, const FrameRow& frame);
 
     JobStore& store_;
     const Clock& clock_;

@@ -129,6 +129,14 @@ void Scheduler::commitPass(Tables& t, FrameRow& frame, PassRow pass, Tally& tall
     tally.samples += samplesOf(tally.job, pass.tile, pass.samples.first);
 }
 
+// Of the level that was the last complete one.
+void Scheduler::dropTail(Tables& t, const FrameRow& frame) {
+    auto level = t.frames.level(frame.job, frame.frame, frame.samplesMerged);
+    if (!level) return;
+    level->errorTail = {};
+    t.frames.put(*level);
+}
+
 // Adds the tiles' measurements to their levels. A level that all tiles have reached becomes a point of
 // the error curve; of this upload's seconds it is charged the share of samples up to that level, or a
 // lease over several levels would put them all at one time.
@@ -139,8 +147,7 @@ void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const Jo
         for (const LevelRow& part : tile.levels) {
             LevelRow& sum = sums[part.samples];
             ++sum.tiles;
-            sum.relativeVariance += part.relativeVariance;
-            sum.droppedSamples += part.droppedSamples;
+            sum.addSums(part);
         }
     }
     const double pixels = static_cast<double>(info.spec.image.width) * info.spec.image.height;
@@ -162,13 +169,13 @@ void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const Jo
                                                 .relativeError = {},
                                                 .deviceSeconds = {}});
         level.tiles += sum.tiles;
-        level.relativeVariance += sum.relativeVariance;
-        level.droppedSamples += sum.droppedSamples;
+        level.addSums(sum);
         if (level.tiles == frame.tiles) {
             if (samples > 1) level.relativeError = std::sqrt(level.relativeVariance / pixels);
             level.deviceSeconds = secondsBefore + seconds * soFar / total;
             job.droppedSamples += level.droppedSamples - std::min(level.droppedSamples, frame.droppedSamples);
             frame.droppedSamples = std::max(frame.droppedSamples, level.droppedSamples);
+            dropTail(t, frame);
             frame.samplesMerged = job.samplesMerged = samples;
             frame.relativeError = job.relativeError = level.relativeError;
             t.passes.drop(frame.job, frame.frame, samples);

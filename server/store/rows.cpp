@@ -44,6 +44,14 @@ auto stateOf(const Table& table, std::string_view wanted) {
 
 }  // namespace
 
+void LevelRow::addSums(const LevelRow& other) {
+    relativeVariance += other.relativeVariance;
+    errorSquares += other.errorSquares;
+    borrowedVariance += other.borrowedVariance;
+    errorTail.add(other.errorTail);
+    droppedSamples += other.droppedSamples;
+}
+
 std::string_view toString(FrameState state) {
     return wordOf(kFrameWords, state);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/clock/clock.h"
+#include "shared/film/error_tail.h"
 #include "shared/job/leased_pass.h"
 #include "shared/job/states.h"
 #include "shared/job/worker_hello.h"
@@ -93,11 +94,15 @@ struct LevelRow {
     JobKey job = 0;
     int32_t frame = 0;
     uint32_t samples = 0;
-    uint32_t tiles = 0;           // that have reached it
-    double relativeVariance = 0;  // sum over their pixels, as in ErrorSums
+    uint32_t tiles = 0;  // that have reached it
+    // Sums over their pixels, as in ErrorSums: relativeVariance, squares and borrowed.
+    double relativeVariance = 0, errorSquares = 0, borrowedVariance = 0;
+    ErrorTail errorTail{};  // likewise; kept for the last complete level alone
     uint64_t droppedSamples = 0;
     std::optional<double> relativeError;  // once complete; unknown at one sample
     std::optional<double> deviceSeconds;  // of the frame so far, once complete
+    /// Adds what further tiles measured.
+    void addSums(const LevelRow& other);
     friend bool operator==(const LevelRow&, const LevelRow&) = default;
 };
 

@@ -42,6 +42,10 @@ void readValue(const SQLite::Column& from, Loss& to) {
 void readValue(const SQLite::Column& from, std::vector<std::string>& to) {
     to = splitLines(from.getString());
 }
+void readValue(const SQLite::Column& from, ErrorTail& to) {
+    to = ErrorTail::parse(from.getString());
+}
+
 void readValue(const SQLite::Column& from, std::vector<LeasedPass>& to) {
     const std::string bytes = from.getString();
     to.resize(bytes.size() / sizeof(PackedPass));
@@ -66,6 +70,10 @@ void bindValue(SQLite::Statement& to, int parameter, TimePoint value) {
 void bindValue(SQLite::Statement& to, int parameter, const std::vector<std::string>& value) {
     to.bind(parameter, joinLines(value));
 }
+void bindValue(SQLite::Statement& to, int parameter, const ErrorTail& value) {
+    bindValue(to, parameter, value.text());
+}
+
 void bindValue(SQLite::Statement& to, int parameter, const std::vector<LeasedPass>& value) {
     std::string bytes;  // never a null pointer, which would bind NULL
     for (const LeasedPass& pass : value) {

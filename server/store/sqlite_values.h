@@ -13,7 +13,8 @@
 namespace tilefarm {
 
 /// How SQLite keeps the types of the rows: one `readValue` and one `bindValue` each. A state is its word, a
-/// time the milliseconds since the Unix epoch, a list of texts a line each, passes a blob, nothing NULL.
+/// time the milliseconds since the Unix epoch, a list of texts a line each, as is a tail of errors, passes a
+/// blob, nothing NULL.
 
 template <std::integral Number>
 void readValue(const SQLite::Column& from, Number& to) {
@@ -30,6 +31,7 @@ void readValue(const SQLite::Column& from, WorkerState& to);
 void readValue(const SQLite::Column& from, Loss& to);
 void readValue(const SQLite::Column& from, std::vector<std::string>& to);
 void readValue(const SQLite::Column& from, std::vector<LeasedPass>& to);
+void readValue(const SQLite::Column& from, ErrorTail& to);
 template <typename Value>
 void readValue(const SQLite::Column& from, std::optional<Value>& to) {
     to.reset();
@@ -50,6 +52,7 @@ void bindValue(SQLite::Statement& to, int parameter, State value) {
 }
 void bindValue(SQLite::Statement& to, int parameter, const std::vector<std::string>& value);
 void bindValue(SQLite::Statement& to, int parameter, const std::vector<LeasedPass>& value);
+void bindValue(SQLite::Statement& to, int parameter, const ErrorTail& value);
 template <typename Value>
 void bindValue(SQLite::Statement& to, int parameter, const std::optional<Value>& value) {
     value ? bindValue(to, parameter, *value) : to.bind(parameter);

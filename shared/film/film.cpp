@@ -184,25 +184,4 @@ void FilmTile::merge(const PassFilm& pass) {
     mergedSamples = pass.samples.end();
 }
 
-void ErrorSums::add(const FilmTile& tile) {
-    // 0.01 keeps black pixels from dominating; it is about the least radiance a display shows.
-    constexpr double floor = 0.01 * 0.01;
-    for (const FilmPixel& pixel : tile.pixels) {
-        const double mean = pixel.luminance();
-        relativeVariance += pixel.varianceOfMeanLuminance() / (mean * mean + floor);
-        droppedSamples += static_cast<uint64_t>(pixel.dropped);
-    }
-    pixels += tile.pixels.size();
-}
-
-void ErrorSums::add(const ErrorSums& other) {
-    relativeVariance += other.relativeVariance;
-    pixels += other.pixels;
-    droppedSamples += other.droppedSamples;
-}
-
-double ErrorSums::relativeError() const {
-    return pixels == 0 ? 0 : std::sqrt(relativeVariance / static_cast<double>(pixels));
-}
-
 }  // namespace tilefarm

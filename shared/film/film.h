@@ -111,16 +111,4 @@ struct FilmTile {
     }
 };
 
-/// Sums over pixels from which the error estimate of a frame comes; adding tiles in any grouping
-/// gives the same estimate up to double rounding.
-struct ErrorSums {
-    double relativeVariance = 0;  // Σ Var[mean luminance] / (mean luminance² + 0.01²)
-    uint64_t pixels = 0;
-    uint64_t droppedSamples = 0;
-    void add(const FilmTile& tile);
-    void add(const ErrorSums& other);
-    /// sqrt(relativeVariance / pixels), DESIGN.md's relative_error; 0 for no pixels.
-    double relativeError() const;
-};
-
 }  // namespace tilefarm

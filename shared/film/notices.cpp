@@ -3,6 +3,13 @@
 #include <fmt/format.h>
 
 namespace tilefarm {
+namespace {
+
+// Of the squared error: from here on the worst 0.1 % of pixels decide more than all others together, and the
+// estimate rests on the few samples that they met.
+constexpr double kFewPixelsDecide = 0.5;
+
+}  // namespace
 
 std::vector<std::string> noticesOf(const PassFaults& faults, uint64_t paths) {
     std::vector<std::string> notices;
@@ -20,6 +27,19 @@ std::vector<std::string> noticesOf(const PassFaults& faults, uint64_t paths) {
             "or make the glass thin-walled",
             faults.lightsBehindGlass));
     return notices;
+}
+
+std::vector<std::string> noticesOf(const ErrorEstimate& estimate) {
+    if (estimate.worstShare < kFewPixelsDecide || estimate.worst.empty()) return {};
+    const WorstPixel& worst = estimate.worst.front();
+    return {fmt::format(
+        "{:.0f} % of the squared error lies in 0.1 % of the pixels, which rare bright paths hit: more "
+        "samples help "
+        "slowly, and the error itself is known to its interval only; look at such a path with "
+        "tilefarm-worker "
+        "render --pixel {},{}, and where it is a reflection of a small light, settings.clampIndirect, "
+        "settings.regularisation or fewer settings.maxBounces take such paths away, at a bias",
+        100 * estimate.worstShare, worst.x, worst.y)};
 }
 
 }  // namespace tilefarm

@@ -371,10 +371,15 @@ TEST_P(JobStoreContract, ListsFramesByJobAndState) {
 
 TEST_P(JobStoreContract, KeepsLevelsBySamples) {
     const JobKey job = addFrame(1);
+    ErrorTail tail;
+    tail.add({3, 4, 0.1});
     const LevelRow two{.job = job,
                        .samples = 2,
                        .tiles = 1,
                        .relativeVariance = 0.5,
+                       .errorSquares = 0.25,
+                       .borrowedVariance = 0.125,
+                       .errorTail = tail,
                        .droppedSamples = 3,
                        .relativeError = 0.1,
                        .deviceSeconds = 2.0};

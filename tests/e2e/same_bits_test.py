@@ -30,6 +30,10 @@ class CornellBox(FarmTest):
                 view = self.wait_for_end(job)
                 self.assert_same_bits(self.download(job), here)
                 self.assertAlmostEqual(view["relativeError"], report["relativeError"], places=9)
+                for ours, theirs in zip(view["relativeErrorInterval"], report["relativeErrorInterval"]):
+                    self.assertAlmostEqual(ours, theirs, places=9)
+                self.assertEqual([(p["x"], p["y"]) for p in view["errorTail"]["pixels"]],
+                                 [(p["x"], p["y"]) for p in report["errorTail"]["pixels"]])
 
         self.start_workers(2)
         with self.subTest("three workers"):

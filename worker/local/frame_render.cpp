@@ -59,8 +59,8 @@ private:
         size_t count = 0;
         for (uint32_t tile = first; tile < grid_.count(); ++tile, ++count) {
             pixels += grid_.rect(tile).area();
-            if (count > 0 &&
-                (pixels * bytesPerPixel_ > kMostBytesPerCall || static_cast<double>(pixels * samples.count) > most))
+            if (count > 0 && (pixels * bytesPerPixel_ > kMostBytesPerCall ||
+                              static_cast<double>(pixels * samples.count) > most))
                 break;
         }
         return count;
@@ -79,8 +79,11 @@ private:
     void addPoint(uint32_t samples) {
         ErrorSums sums;
         for (const FilmTile& tile : result_.tiles) sums.add(tile);
-        progress_.last = {samples, std::nullopt, stats().deviceSeconds};
-        if (samples > 1) progress_.last.relativeError = sums.relativeError();
+        progress_.last = {samples, std::nullopt, stats().deviceSeconds, std::nullopt};
+        if (samples > 1) {
+            progress_.last.relativeError = sums.relativeError();
+            progress_.last.estimate = sums.estimate();
+        }
         if (std::has_single_bit(samples) || samples == spec_.stop.samples)
             result_.errorCurve.push_back(progress_.last);
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "shared/clock/clock.h"
+#include "shared/film/error_sums.h"
 #include "shared/film/film.h"
 #include "worker/agent/render_backend.h"
 
@@ -15,6 +16,7 @@ struct ErrorPoint {
     uint32_t samples = 0;
     std::optional<double> relativeError;  // none after a single sample
     double deviceSeconds = 0;
+    std::optional<ErrorEstimate> estimate{};  // of relativeError
 };
 
 struct FrameProgress {

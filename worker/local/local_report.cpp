@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/digest/digest.h"
+#include "shared/film/estimate_json.h"
 #include "shared/film/notices.h"
 #include "shared/job/wire.h"
 
@@ -78,6 +79,7 @@ json curveJson(const RenderedFrame& frame) {
     for (const ErrorPoint& point : frame.errorCurve)
         curve.push_back({{"samples", point.samples},
                          {"relativeError", maybe(point.relativeError)},
+                         {"relativeErrorInterval", intervalJson(point.estimate)},
                          {"deviceSeconds", point.deviceSeconds}});
     return curve;
 }
@@ -92,6 +94,10 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
                  const RenderedFrame& frame) {
     const json specJson = toJson(spec);
     const RenderStats& stats = frame.stats;
+    const auto accuracy = frame.errorCurve.empty() ? std::nullopt : frame.errorCurve.back().estimate;
+    std::vector<std::string> notices = noticesOf(stats.faults, stats.samples);
+    if (accuracy)
+        for (std::string& notice : noticesOf(*accuracy)) notices.push_back(std::move(notice));
     return {
         {"version", TILEFARM_VERSION},
         {"scene", sceneJson(spec, scene)},
@@ -120,9 +126,11 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
         {"raysPerSecond", perSecond(stats.rays, stats.deviceSeconds)},
         {"droppedSamples", stats.droppedSamples},
         {"numerics", numericsJson(spec, frame)},
-        {"notices", noticesOf(stats.faults, stats.samples)},
+        {"notices", notices},
         {"samplesPerPixel", spec.stop.samples},
         {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
+        {"relativeErrorInterval", intervalJson(accuracy)},
+        {"errorTail", tailJson(accuracy)},
         {"errorCurve", curveJson(frame)}};
 }
 

@@ -53,6 +53,8 @@ SELECT * FROM levels WHERE job = :job AND frame = :frame ORDER BY samples;
 
 -- name: putLevel
 INSERT OR REPLACE INTO levels (
-    job, frame, samples, tiles, relative_variance, dropped_samples, relative_error, device_seconds)
+    job, frame, samples, tiles, relative_variance, error_squares, borrowed_variance, error_tail, dropped_samples,
+    relative_error, device_seconds)
 VALUES (
-    :job, :frame, :samples, :tiles, :relative_variance, :dropped_samples, :relative_error, :device_seconds);
+    :job, :frame, :samples, :tiles, :relative_variance, :error_squares, :borrowed_variance, :error_tail,
+    :dropped_samples, :relative_error, :device_seconds);

@@ -34,6 +34,8 @@ TEST_F(ApiTest, MakesAJobAndShowsIt) {
     EXPECT_EQ(view["startedAt"], nullptr);
     EXPECT_EQ(view["progress"]["passes"], 24);
     EXPECT_EQ(view["relativeError"], nullptr);
+    EXPECT_EQ(view["relativeErrorInterval"], nullptr);
+    EXPECT_EQ(view["errorTail"], nullptr);
     EXPECT_EQ(jobFromJson(view["spec"]), spec());
     EXPECT_EQ(parsed(get("/v1/jobs/" + view["id"].get<std::string>())), view);
     EXPECT_EQ(get("/v1/jobs/none")->status, 404);

@@ -58,6 +58,11 @@ TEST_F(ApiTest, TakesAJobFromSubmissionToItsImage) {
     EXPECT_EQ(view["samplesMerged"], 8);
     EXPECT_EQ(view["deviceSeconds"], 1.5);
     EXPECT_EQ(view["errorCurve"].size(), 4u);
+    EXPECT_EQ(view["errorCurve"][0]["relativeErrorInterval"], nullptr) << "at one sample";
+    EXPECT_EQ(view["errorCurve"][3]["relativeErrorInterval"], view["relativeErrorInterval"]);
+    EXPECT_LT(view["relativeErrorInterval"][0], view["relativeError"]);
+    EXPECT_GT(view["relativeErrorInterval"][1], view["relativeError"]);
+    EXPECT_FALSE(view["errorTail"]["pixels"].empty());
     const auto image = get("/v1/jobs/" + id + "/frames/0/image.exr");
     EXPECT_EQ(image->get_header_value("Tilefarm-State"), "complete");
     EXPECT_EQ(image->get_header_value("ETag"), '"' + sha256Hex(image->body) + '"');
@@ -66,6 +71,7 @@ TEST_F(ApiTest, TakesAJobFromSubmissionToItsImage) {
     EXPECT_EQ(report["workers"][0]["deviceSeconds"], 1.5);
     EXPECT_EQ(report["devices"][0]["device"], "device");
     EXPECT_EQ(report["frames"][0]["errorCurve"].size(), 4u);
+    EXPECT_EQ(report["frames"][0]["errorTail"], view["errorTail"]);
     EXPECT_EQ(parsed(get("/v1/workers"))["workers"][0]["state"], "online");
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/report/job_faults.h"
+#include "shared/film/error_sums.h"
 #include "shared/image/exr.h"
 #include "tests/support/expect_error.h"
 #include "tests/unit/server/support/test_farm.h"
@@ -212,6 +213,10 @@ TEST(ResultMerger, RecordsTheErrorOfEveryLevelWhateverTheOrder) {
     ErrorSums sums;
     for (const FilmTile& tile : renderFrame(spec)) sums.add(tile);
     EXPECT_NEAR(*levels[3].relativeError, sums.relativeError(), 1e-12);
+    EXPECT_NEAR(levels[3].errorSquares, sums.squares, 1e-12 * sums.squares);
+    EXPECT_NEAR(levels[3].borrowedVariance, sums.borrowed, 1e-12 * sums.borrowed);
+    EXPECT_EQ(levels[3].errorTail.worst(), sums.tail.worst());
+    for (size_t i = 0; i < 3; ++i) EXPECT_EQ(levels[i].errorTail, ErrorTail()) << "kept for the last alone";
     EXPECT_DOUBLE_EQ(*levels[3].deviceSeconds, 2.0);
     EXPECT_TRUE(std::is_sorted(levels.begin(), levels.end(), [](const auto& a, const auto& b) {
         return *a.deviceSeconds < *b.deviceSeconds;

@@ -180,35 +180,5 @@ TEST(FilmTile, RefusesWhatNoKernelLeavesAndStaysAsItWas) {
     EXPECT_NO_THROW(FilmTile(rect).merge(overflowed));
 }
 
-TEST(ErrorSums, FollowsItsFormula) {
-    FilmTile tile(Rect{0, 0, 2, 1});
-    for (size_t i = 0; i < 2; ++i) {
-        tile.pixels[i].count = 5;
-        tile.pixels[i].mean = {1, 1, 1};
-        tile.pixels[i].m2Luminance = i == 0 ? 20. * 0.04 : 0.;  // variance of the mean 0.04 and 0
-    }
-    ErrorSums sums;
-    EXPECT_EQ(sums.relativeError(), 0);
-    sums.add(tile);
-    EXPECT_NEAR(sums.relativeError(), std::sqrt(0.5 * 0.04 / 1.0001), 1e-15);
-}
-
-TEST(ErrorSums, DoesNotDependOnHowTilesAreGrouped) {
-    std::vector<FilmTile> tiles;
-    ErrorSums all;
-    for (unsigned t = 0; t < 6; ++t) {
-        FilmTile& tile = tiles.emplace_back(Rect{0, 0, 4, 4});
-        for (size_t i = 0; i < 16; ++i)
-            tile.pixels[i].merge(passOf(randomSamples(8, 100 * t + static_cast<unsigned>(i))), 9);
-        all.add(tile);
-    }
-    ErrorSums left, right;
-    for (size_t t = 0; t < 6; ++t) (t % 2 ? left : right).add(tiles[t]);
-    right.add(left);
-    EXPECT_EQ(right.pixels, all.pixels);
-    EXPECT_EQ(right.droppedSamples, 6u * 16u);
-    EXPECT_NEAR(right.relativeError(), all.relativeError(), 1e-14 * all.relativeError());
-}
-
 }  // namespace
 }  // namespace tilefarm

@@ -95,6 +95,8 @@ TEST(FrameRender, GivesTheErrorAtPowersOfTwoAndAtTheEnd) {
     ErrorSums sums;
     for (const FilmTile& tile : frame.tiles) sums.add(tile);
     EXPECT_EQ(frame.errorCurve.back().relativeError, sums.relativeError());
+    ASSERT_TRUE(frame.errorCurve.back().estimate);
+    EXPECT_EQ(frame.errorCurve.back().estimate->high, sums.estimate().high);
     EXPECT_NEAR(frame.errorCurve.back().deviceSeconds, 8 * 6 * 0.01, 1e-9);
 }
 

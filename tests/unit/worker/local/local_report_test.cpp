@@ -22,7 +22,10 @@ struct LocalReportTest : testing::Test {
         for (FilmPixel& pixel : tile.pixels) pixel.mean = {0.03, 0.03, 0.03}, pixel.count = 250;
         frame.tiles = {tile};
         frame.seconds = 2.5;
-        frame.errorCurve = {{1, std::nullopt, 0.5}, {2, 0.25, 2.0}};
+        ErrorEstimate estimate{.relativeError = 0.25, .low = 0.2, .high = 0.3125, .worstShare = 0.75};
+        estimate.worst = {{3, 1, 0.5}};
+        estimate.sum = 2;
+        frame.errorCurve = {{1, std::nullopt, 0.5, {}}, {2, 0.25, 2.0, estimate}};
     }
     JobSpec spec;
     DeviceName device{"Fake", "fake 1.0"};
@@ -63,6 +66,11 @@ TEST_F(LocalReportTest, HoldsAllThatIsKnown) {
     EXPECT_EQ(report["errorCurve"][0]["relativeError"], nullptr);
     EXPECT_EQ(report["errorCurve"][1]["relativeError"], 0.25);
     EXPECT_EQ(report["relativeError"], 0.25);
+    EXPECT_EQ(report["errorCurve"][0]["relativeErrorInterval"], nullptr);
+    EXPECT_EQ(report["relativeErrorInterval"], (nlohmann::json{0.2, 0.3125}));
+    EXPECT_EQ(report["errorTail"],
+              (nlohmann::json{{"worstShare", 0.75}, {"pixels", {{{"x", 3}, {"y", 1}, {"share", 0.25}}}}}));
+    EXPECT_NE(report["notices"].back().get<std::string>().find("--pixel 3,1"), std::string::npos);
 }
 
 TEST_F(LocalReportTest, ADeviceWithoutSecondsHasNoSpeed) {
