@@ -229,11 +229,15 @@ private:
 
     void addImageTools() {
         CLI::App& compareCommand = command(
-            "compare", "measure the difference of an EXR from a reference: RMSE, relMSE, largest, mean",
-            [this] { return compare(a_.compare, console_); });
+            "compare", "measure the difference of an EXR from a reference: RMSE, relMSE, MAPE, FLIP, mean, …",
+            [this] {
+                a_.compare.tone = toneOf(a_);
+                return compare(a_.compare, console_);
+            });
         compareCommand.add_option("a", a_.compare.a, "the EXR to measure")->required();
         compareCommand.add_option("b", a_.compare.b, "the reference EXR")->required();
         compareCommand.add_flag("--json", a_.compare.json, "as JSON");
+        addTone(compareCommand, a_);
         compareCommand.add_flag("--identical", a_.compare.identical,
                                 "exit with 1 unless all channels are bit-identical");
         compareCommand.add_option("--max-relmse", a_.compare.maxRelMse,

@@ -73,7 +73,9 @@ struct CompareOptions {
     bool json = false;
     bool identical = false;           // fail unless every channel has the same bits
     std::optional<double> maxRelMse;  // fail above
+    ToneMapping tone;                 // of what FLIP's viewer sees
 };
+/// Measures a against b by all of imageMetrics().
 int compare(const CompareOptions& options, const Console& console);
 
 /// Shows an EXR as a PNG: its picture, or a layer ("albedo", "normal", "variance") or channel ("Z").

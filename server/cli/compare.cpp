@@ -10,6 +10,7 @@
 #include "shared/error/error.h"
 #include "shared/image/difference.h"
 #include "shared/image/exr.h"
+#include "shared/image/metrics.h"
 #include "shared/image/png.h"
 
 namespace tilefarm {
@@ -25,30 +26,17 @@ bool sameBits(const FloatImage& a, const FloatImage& b) {
            });
 }
 
-using Agreement = std::optional<StatisticalAgreement>;
-
-json toJson(const ImageDifference& d, const Agreement& agreement, bool identical) {
-    json result{{"rmse", d.rmse},
-                {"relMse", d.relMse},
-                {"max", d.max},
-                {"meanDifference", d.meanDifference},
-                {"meanReference", d.meanReference},
-                {"identical", identical}};
-    if (agreement) {
-        result["meanZ"] = agreement->meanZ;
-        result["withinFourSigma"] = agreement->withinFourSigma;
-    }
+json toJson(const ImagePair& pair, bool identical) {
+    json result{{"identical", identical}};
+    for (const ImageMetric& metric : imageMetrics())
+        if (const auto value = metric.of(pair)) result[std::string(metric.name)] = *value;
     return result;
 }
 
-void print(const ImageDifference& d, const Agreement& agreement, bool identical, std::ostream& out) {
-    out << fmt::format(
-        "RMSE             {:.6g}\nrelMSE           {:.6g}\nlargest          {:.6g}\n"
-        "mean difference  {:.6g}\nmean of B        {:.6g}\nidentical        {}\n",
-        d.rmse, d.relMse, d.max, d.meanDifference, d.meanReference, identical ? "yes" : "no");
-    if (agreement)
-        out << fmt::format("mean z           {:.3f}\nwithin 4 sigma   {:.5f}\n", agreement->meanZ,
-                           agreement->withinFourSigma);
+void print(const ImagePair& pair, bool identical, std::ostream& out) {
+    for (const ImageMetric& metric : imageMetrics())
+        if (const auto value = metric.of(pair)) out << fmt::format("{:<16} {:.6g}\n", metric.title, *value);
+    out << fmt::format("{:<16} {}\n", "identical", identical ? "yes" : "no");
 }
 
 using Plane = std::vector<float>;
@@ -88,12 +76,12 @@ FloatImage layerOf(const FloatImage& image, const std::string& name) {
 int compare(const CompareOptions& options, const Console& console) {
     const FloatImage a = readExr(options.a), b = readExr(options.b);
     const bool identical = sameBits(a, b);
-    const ImageDifference d = difference(a, b);
-    const Agreement agreement = statisticalAgreement(a, b);
+    const ImageDifference d = difference(a, b);  // refuses what cannot be compared
+    const ImagePair pair{a, b, options.tone};
     if (options.json)
-        console.out << toJson(d, agreement, identical).dump(2) << '\n';
+        console.out << toJson(pair, identical).dump(2) << '\n';
     else
-        print(d, agreement, identical, console.out);
+        print(pair, identical, console.out);
     if (options.identical && !identical) {
         console.err << "the images are not identical\n";
         return kFailed;
