@@ -33,12 +33,10 @@ std::vector<std::string> noticesOf(const ErrorEstimate& estimate) {
     if (estimate.worstShare < kFewPixelsDecide || estimate.worst.empty()) return {};
     const WorstPixel& worst = estimate.worst.front();
     return {fmt::format(
-        "{:.0f} % of the squared error lies in 0.1 % of the pixels, which rare bright paths hit: more "
-        "samples help "
-        "slowly, and the error itself is known to its interval only; look at such a path with "
-        "tilefarm-worker "
-        "render --pixel {},{}, and where it is a reflection of a small light, settings.clampIndirect, "
-        "settings.regularisation or fewer settings.maxBounces take such paths away, at a bias",
+        "{:.0f} % of the squared error lies in 0.1 % of the pixels, hit by rare bright paths: the error is "
+        "known to its interval only, and more samples help slowly; `tilefarm-worker render --pixel {},{}` "
+        "shows such a path; settings.clampIndirect, settings.regularisation and fewer settings.maxBounces "
+        "remove such paths, at a bias",
         100 * estimate.worstShare, worst.x, worst.y)};
 }
 
