@@ -13,6 +13,7 @@ constexpr double kDark = 0.01;
 constexpr double kNoiseWeight = 20;    // of a pixel's noise against the spread of its neighbours
 constexpr double kFewest = 2;          // neighbours, counted by weight, that can stand for a pixel
 constexpr double kOwnVote = 0.7;       // of the pixel itself in the mean of its neighbours
+constexpr double kLeastVote = 0.04;    // of its luminance that a lone bright pixel keeps there
 constexpr double kMeanNoise = 1;       // a noisy mean m overstates 1/E[m]²: Var[m] joins the square
 constexpr double kAlike = 0.15;        // weight from which a neighbour tells how bright such pixels get
 constexpr double kReliable = 0.04;     // squared relative noise below which a pixel's luminance is known
@@ -68,9 +69,10 @@ public:
         const double spread = std::max({0.0, near.spread - near.noise, step * step - noise - noiseOfMean,
                                         kEdgeSpread * squaredStepAtEdge(pixel, near.mean)});
         const double borrowed = kNoiseWeight * noise / (kNoiseWeight * noise + spread);
-        // 2. The pixel joins the mean as if it were no brighter than the brightest of them, unless none has
-        //    met light yet.
-        const double vote = near.brightest > kDark ? std::min(own, near.brightest) : own;
+        // 2. The pixel joins the mean as if it were hardly brighter than the brightest of them, unless none
+        //    has met light yet. (Light that one pixel of the block met is light that all of them may meet.)
+        const double vote =
+            near.brightest > kDark ? std::max(std::min(own, near.brightest), kLeastVote * own) : own;
         const double mean = (near.weight * near.mean + kOwnVote * vote) / (near.weight + kOwnVote);
         const double truth = borrowed * mean + (1 - borrowed) * own;
         const double doubt = kMeanNoise * borrowed * borrowed * noiseOfMean;
