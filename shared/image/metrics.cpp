@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "shared/image/difference.h"
 #include "shared/image/flip.h"
 
 namespace tilefarm {
@@ -17,11 +16,11 @@ constexpr double kDark = 0.01;  // as in the error estimate of a frame: black pi
 constexpr double kTrimmed = 0.001;
 
 Value rootMeanSquare(const ImagePair& pair) {
-    return difference(pair.image, pair.reference).rmse;
+    return pair.difference.rmse;
 }
 
 Value relativeSquare(const ImagePair& pair) {
-    return difference(pair.image, pair.reference).relMse;
+    return pair.difference.relMse;
 }
 
 // Of R, G and B of each pixel, added up.
@@ -61,30 +60,28 @@ Value flip(const ImagePair& pair) {
 }
 
 Value largest(const ImagePair& pair) {
-    return difference(pair.image, pair.reference).max;
+    return pair.difference.max;
 }
 
 Value meanDifference(const ImagePair& pair) {
-    return difference(pair.image, pair.reference).meanDifference;
+    return pair.difference.meanDifference;
 }
 
 Value meanReference(const ImagePair& pair) {
-    return difference(pair.image, pair.reference).meanReference;
+    return pair.difference.meanReference;
 }
 
 Value meanPercent(const ImagePair& pair) {
-    const ImageDifference d = difference(pair.image, pair.reference);
+    const ImageDifference& d = pair.difference;
     return d.meanReference == 0 ? Value() : 100 * d.meanDifference / d.meanReference;
 }
 
 Value meanZ(const ImagePair& pair) {
-    const auto agreement = statisticalAgreement(pair.image, pair.reference);
-    return agreement ? Value(agreement->meanZ) : Value();
+    return pair.agreement ? Value(pair.agreement->meanZ) : Value();
 }
 
 Value withinFourSigma(const ImagePair& pair) {
-    const auto agreement = statisticalAgreement(pair.image, pair.reference);
-    return agreement ? Value(agreement->withinFourSigma) : Value();
+    return pair.agreement ? Value(pair.agreement->withinFourSigma) : Value();
 }
 
 constexpr std::array kMetrics{
