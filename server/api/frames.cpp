@@ -51,7 +51,7 @@ HttpResponse listFrames(Services& s, HttpRequest& r) {
     json list = json::array();
     s.store.read([&](const ConstTables& t) {
         const JobRow job = requireJob(t, r.parameter("job"));
-        const auto info = s.scheduler.catalog().get(job);
+        const auto info = s.scheduler.catalog().get(t, job);
         for (const FrameRow& frame : t.frames.list(job.key)) list.push_back(frameView(frame));
         for (uint32_t i = job.framesStarted; i < job.frames; ++i) {
             list.push_back(viewOf(std::nullopt, job.key, info->frame(i)));
@@ -65,7 +65,7 @@ HttpResponse getFrame(Services& s, HttpRequest& r) {
     HttpResponse response;
     s.store.read([&](const ConstTables& t) {
         const JobRow job = requireJob(t, r.parameter("job"));
-        const auto info = s.scheduler.catalog().get(job);
+        const auto info = s.scheduler.catalog().get(t, job);
         if (!info->hasFrame(number)) {
             throw Error(ErrorCode::notFound, "job '" + job.id + "' has no frame " + std::to_string(number));
         }

@@ -51,7 +51,7 @@ JobSpec sized(const Services& s, JobSpec spec) {
 HttpResponse viewOf(Services& s, const std::string& id, int status) {
     HttpResponse response;
     s.store.read([&](const ConstTables& t) {
-        response = jsonResponse(status, dump(jobView(t, requireJob(t, id), s.scheduler.catalog())));
+        response = jsonResponse(status, dump(jobView(t, requireJob(t, id), SpecView::whole)));
     });
     return response;
 }
@@ -99,7 +99,7 @@ HttpResponse listJobs(Services& s, HttpRequest& r) {
             jobs.pop_back();
             next = std::to_string(jobs.back().key);
         }
-        for (const JobRow& job : jobs) list.push_back(jobView(t, job, s.scheduler.catalog()));
+        for (const JobRow& job : jobs) list.push_back(jobView(t, job, SpecView::outline));
     });
     return jsonResponse(200, dump({{"jobs", list}, {"next", next}}));
 }
@@ -125,7 +125,7 @@ HttpResponse getReport(Services& s, HttpRequest& r) {
     s.store.read([&](const ConstTables& t) {
         const JobRow job = requireJob(t, r.parameter("job"));
         json report = jobReport(t, job);
-        const auto info = s.scheduler.catalog().get(job);
+        const auto info = s.scheduler.catalog().get(t, job);
         for (const FrameRow& frame : t.frames.list(job.key)) {
             json view{{"frame", frame.frame}};
             addAccuracy(view, t, job.key, frame.frame, info->spec.image);

@@ -11,6 +11,8 @@
 #include "server/report/job_faults.h"
 #include "shared/error/error.h"
 #include "shared/film/notices.h"
+#include "shared/job/frames.h"
+#include "shared/job/image_spec.h"
 
 namespace tilefarm {
 
@@ -22,6 +24,12 @@ json maybe(const std::optional<TimePoint>& time) {
 }
 json maybe(const std::optional<double>& value) {
     return value ? json(*value) : json();
+}
+// The frame in work, or the last one.
+int32_t currentFrame(const JobRow& job, const json& frames) {
+    const FrameSet set{frames.at("first").get<int32_t>(), frames.at("count").get<uint32_t>(),
+                       frames.value("step", 1u), frames.value("list", "")};
+    return frameNumbers(set).at(std::min(job.framesDone, job.frames - 1));
 }
 }  // namespace
 
@@ -39,13 +47,14 @@ std::string dump(const json& value) {
     return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
-    const auto info = catalog.get(job);
-    const int32_t current = info->frame(std::min(job.framesDone, job.frames - 1));
+json jobView(const ConstTables& t, const JobRow& job, SpecView specView) {
+    const json outline = json::parse(job.outlineJson);
+    const json& size = outline.at("image");
+    const ImageSpec image{.width = size.at("width"), .height = size.at("height")};
     json view{
         {"id", job.id},
         {"state", toString(job.state)},
-        {"spec", json::parse(job.specJson)},
+        {"spec", specView == SpecView::whole ? json::parse(t.jobs.spec(job.key)) : outline},
         {"createdAt", rfc3339(job.created)},
         {"startedAt", maybe(job.started)},
         {"finishedAt", maybe(job.finished)},
@@ -61,7 +70,7 @@ json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog) {
         {"notices", noticesOf(job)},
         {"flagged", isFlagged(job)},
         {"numerics", numericsOf(job)}};
-    const auto accuracy = addAccuracy(view, t, job.key, current, info->spec.image);
+    const auto accuracy = addAccuracy(view, t, job.key, currentFrame(job, outline.at("frames")), image);
     if (accuracy)
         for (const std::string& notice : noticesOf(*accuracy)) view["notices"].push_back(notice);
     return view;

@@ -3,13 +3,16 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "server/queue/job_catalog.h"
 #include "server/store/job_store.h"
 
 namespace tilefarm {
 
+/// Whether a job's view holds all that was submitted, or of its scene's files the entry alone: a list of jobs
+/// with thousands of files each would be hundreds of megabytes.
+enum class SpecView { whole, outline };
+
 /// The API's JSON of rows.
-nlohmann::json jobView(const ConstTables& t, const JobRow& job, JobCatalog& catalog);
+nlohmann::json jobView(const ConstTables& t, const JobRow& job, SpecView specView);
 nlohmann::json frameView(const FrameRow& frame);
 nlohmann::json eventView(const EventRow& event);
 nlohmann::json workerView(const WorkerRow& worker, double samplesPerSecond);

@@ -65,7 +65,7 @@ FrameImages::Frame FrameImages::find(const std::string& jobId, int32_t number) c
     store_.read([&](const ConstTables& t) {
         const auto job = t.jobs.find(jobId);
         if (!job) throw Error(ErrorCode::notFound, "there is no job '" + jobId + "'");
-        frame.info = scheduler_.catalog().get(*job);
+        frame.info = scheduler_.catalog().get(t, *job);
         const std::string name = "frame " + std::to_string(number) + " of job '" + jobId + "'";
         if (!frame.info->hasFrame(number)) throw Error(ErrorCode::notFound, "there is no " + name);
         const auto row = t.frames.find(job->key, number);
@@ -102,7 +102,7 @@ MatteMetadata FrameImages::mattes(const std::string& jobId, const JobSpec& spec)
 std::string FrameImages::sidecar(const std::string& jobId, const std::string& file) {
     std::shared_ptr<const JobInfo> info;
     store_.read([&](const ConstTables& t) {
-        if (const auto job = t.jobs.find(jobId)) info = scheduler_.catalog().get(*job);
+        if (const auto job = t.jobs.find(jobId)) info = scheduler_.catalog().get(t, *job);
     });
     if (!info) throw Error(ErrorCode::notFound, "there is no job '" + jobId + "'");
     const MatteMetadata metadata = mattes(jobId, info->spec);
@@ -120,7 +120,9 @@ void FrameImages::write(const fs::path& path, const Frame& frame) {
 
 ImageAttributes FrameImages::attributes(const Frame& frame) const {
     std::set<std::string> devices, drivers;
+    std::string text;
     store_.read([&](const ConstTables& t) {
+        text = t.jobs.spec(frame.job.key);
         std::set<std::string> names;
         for (const ContributionRow& row : t.workers.contributions(frame.job.key)) names.insert(row.worker);
         for (const WorkerRow& worker : t.workers.list()) {
@@ -129,7 +131,7 @@ ImageAttributes FrameImages::attributes(const Frame& frame) const {
             drivers.insert(worker.hello.driver);
         }
     });
-    const auto spec = nlohmann::json::parse(frame.job.specJson);
+    const auto spec = nlohmann::json::parse(text);
     const JobSpec& job = frame.info->spec;
     return {{"job", frame.job.id},
             {"frame", std::to_string(frame.row.frame)},
@@ -234,7 +236,7 @@ std::vector<std::string> FrameImages::finishFrames() {
     store_.read([&](const ConstTables& t) {
         for (const FrameRow& row : t.frames.listByState(FrameState::finishing)) {
             const JobRow job = *t.jobs.find(row.job);
-            ready.push_back({job, row, scheduler_.catalog().get(job)});
+            ready.push_back({job, row, scheduler_.catalog().get(t, job)});
         }
     });
     std::vector<std::string> faults;
@@ -275,7 +277,7 @@ void FrameImages::removeSpentFilms() {
         for (const FrameRow& row : t.frames.listByState(FrameState::completed)) {
             const auto job = *t.jobs.find(row.job);
             if (fs::exists(folder_ / "films" / job.id))
-                spent.push_back({job, row, scheduler_.catalog().get(job)});
+                spent.push_back({job, row, scheduler_.catalog().get(t, job)});
         }
     });
     for (const Frame& frame : spent) films_.remove(*frame.info, frame.row.frame);

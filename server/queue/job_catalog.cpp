@@ -6,10 +6,6 @@
 #include "shared/job/wire.h"
 
 namespace tilefarm {
-namespace {
-constexpr size_t kKept = 256;
-}
-
 JobInfo::JobInfo(JobKey k, std::string i, JobSpec s)
     : key(k),
       id(std::move(i)),
@@ -37,12 +33,34 @@ const SampleRange* JobInfo::levelEnding(uint32_t end) const {
     return at != schedule.end() && at->end() == end ? &*at : nullptr;
 }
 
-std::shared_ptr<const JobInfo> JobCatalog::get(const JobRow& row) {
+std::shared_ptr<const JobInfo> JobCatalog::find(JobKey key) {
     const std::scoped_lock lock(mutex_);
-    if (const auto at = jobs_.find(row.key); at != jobs_.end()) return at->second;
-    auto info = std::make_shared<JobInfo>(row.key, row.id, jobFromJson(parseJson(row.specJson)));
-    if (jobs_.size() >= kKept) jobs_.erase(jobs_.begin());  // the oldest job; parsed again if still used
-    return jobs_[row.key] = std::move(info);
+    const auto at = jobs_.find(key);
+    if (at == jobs_.end()) return nullptr;
+    byUse_.splice(byUse_.begin(), byUse_, at->second.use);
+    return at->second.info;
+}
+
+void JobCatalog::keep(std::shared_ptr<const JobInfo> info, size_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    const JobKey key = info->key;
+    if (bytes > mostBytes_ || jobs_.contains(key)) return;
+    for (; bytes_ + bytes > mostBytes_; byUse_.pop_back()) {
+        bytes_ -= jobs_.at(byUse_.back()).bytes;
+        jobs_.erase(byUse_.back());
+    }
+    byUse_.push_front(key);
+    jobs_[key] = {std::move(info), bytes, byUse_.begin()};
+    bytes_ += bytes;
+}
+
+// Parsed without the lock, which every request takes.
+std::shared_ptr<const JobInfo> JobCatalog::get(const ConstTables& t, const JobRow& row) {
+    if (auto known = find(row.key)) return known;
+    const std::string spec = t.jobs.spec(row.key);
+    auto info = std::make_shared<const JobInfo>(row.key, row.id, jobFromJson(parseJson(spec)));
+    keep(info, spec.size());
+    return info;
 }
 
 }  // namespace tilefarm

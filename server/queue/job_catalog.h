@@ -1,12 +1,13 @@
 #pragma once
 
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "server/store/rows.h"
+#include "server/store/job_store.h"
 #include "shared/job/job.h"
 #include "shared/job/pass_schedule.h"
 
@@ -36,14 +37,27 @@ private:
     std::vector<int32_t> sortedFrames_;
 };
 
-/// Keeps the parsed form of the jobs in use. Any thread may call.
+/// Keeps the parsed form of the jobs in use: those used last, as many as fit. Any thread may call.
 class JobCatalog {
 public:
-    std::shared_ptr<const JobInfo> get(const JobRow& row);
+    /// `mostBytes`: of the texts that were parsed; the parsed forms take a few times as much.
+    explicit JobCatalog(size_t mostBytes = 16u << 20) : mostBytes_(mostBytes) {}
+    std::shared_ptr<const JobInfo> get(const ConstTables& t, const JobRow& row);
 
 private:
-    std::mutex mutex_;
-    std::map<JobKey, std::shared_ptr<const JobInfo>> jobs_;
+    struct Kept {
+        std::shared_ptr<const JobInfo> info;
+        size_t bytes = 0;
+        std::list<JobKey>::iterator use;
+    };
+    std::shared_ptr<const JobInfo> find(JobKey key);
+    void keep(std::shared_ptr<const JobInfo> info, size_t bytes);
+
+    const size_t mostBytes_;
+    std::mutex mutex_;  // guards what follows
+    std::map<JobKey, Kept> jobs_;
+    std::list<JobKey> byUse_;  // the last used first
+    size_t bytes_ = 0;
 };
 
 }  // namespace tilefarm

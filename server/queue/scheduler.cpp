@@ -16,11 +16,19 @@ std::vector<WorkerRow> storedWorkers(const JobStore& store) {
     return workers;
 }
 
-JobRow newRow(const JobSpec& spec, TimePoint now) {
+// All of it but the scene's files, of which there may be many.
+std::string outlineOf(nlohmann::json spec) {
+    auto& scene = spec.at("scene");
+    const std::string entry = scene.at("entry");
+    scene["files"] = {{entry, scene.at("files").at(entry)}};
+    return spec.dump();
+}
+
+JobRow newRow(const JobSpec& spec, const nlohmann::json& json, TimePoint now) {
     JobRow row;
     row.id =
         "j" + randomHex(10);  // random, so that another farm's job of the same number is not mistaken for it
-    row.specJson = toJson(spec).dump();
+    row.outlineJson = outlineOf(json);
     row.priority = spec.priority;
     row.created = now;
     row.frames = spec.frames.count;
@@ -86,10 +94,11 @@ Submission Scheduler::submit(const JobSpec& spec, const std::string& idempotency
             submission = {*before, false};
             return;
         }
-        JobRow row = newRow(spec, clock_.now());
+        const nlohmann::json text = toJson(spec);
+        JobRow row = newRow(spec, text, clock_.now());
         row.idempotencyKey = idempotencyKey;
         row.bodyDigest = bodyDigest;
-        row.key = t.jobs.insert(row);
+        row.key = t.jobs.insert(row, text.dump());
         noteJobState(t, row);
         submission = {row, true};
     });

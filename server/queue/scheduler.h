@@ -151,8 +151,7 @@ private:
     void endJob(Tables& t, JobRow& job, JobState state);
 
     std::optional<Lease> leaseFrom(Tables& t, JobRow job, const WorkerHello& hello, double wantSeconds);
-    Budget budgetFor(Tables& t, const JobRow& job, const JobInfo& info, const std::string& worker,
-                     double wantSeconds);
+    Budget budgetFor(const JobRow& job, const JobInfo& info, const std::string& worker, double wantSeconds);
     FrameRow startFrame(Tables& t, JobRow& job, const JobInfo& info);
     std::vector<LeasedPass> takePasses(Tables& t, FrameRow& frame, const JobInfo& info,
                                        const std::string& worker, uint64_t epoch, Budget budget);

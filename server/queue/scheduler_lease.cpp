@@ -46,17 +46,18 @@ std::variant<Lease, NoLease> Scheduler::lease(const WorkerHello& hello, double w
 
 std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobRow job, const WorkerHello& hello,
                                           double wantSeconds) {
-    const auto info = catalog_.get(job);
-    const Budget budget = budgetFor(t, job, *info, hello.worker, wantSeconds);
+    const auto info = catalog_.get(t, job);
+    const Budget budget = budgetFor(job, *info, hello.worker, wantSeconds);
     const uint64_t epoch = t.leases.lastEpoch() + 1;
 
-    auto frames = t.frames.listActive(job.key);
+    auto frames = t.frames.listWithWork(job.key);
     const bool trial = job.suspectFrame.has_value();
     if (trial) std::erase_if(frames, [&](const FrameRow& frame) { return frame.frame != *job.suspectFrame; });
     const size_t mostActive = 8 + roster_.online(clock_.now());  // the rest stay without rows
     for (size_t i = 0;; ++i) {
         if (i == frames.size()) {
-            if (trial || job.framesStarted == job.frames || frames.size() >= mostActive) return std::nullopt;
+            if (trial || job.framesStarted == job.frames || t.frames.countActive(job.key) >= mostActive)
+                return std::nullopt;
             frames.push_back(startFrame(t, job, *info));
         }
         auto passes = takePasses(t, frames[i], *info, hello.worker, epoch, budget);
@@ -66,16 +67,14 @@ std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobRow job, const WorkerHel
 
 // A modest first lease, then by measured speed. Near a job's end a lease holds at most half of what
 // is fair, so that the others do not wait for one worker's last big lease.
-Scheduler::Budget Scheduler::budgetFor(Tables& t, const JobRow& job, const JobInfo& info,
-                                       const std::string& worker, double wantSeconds) {
+Scheduler::Budget Scheduler::budgetFor(const JobRow& job, const JobInfo& info, const std::string& worker,
+                                       double wantSeconds) {
     const double rate = roster_.rate(worker, job.key);
     const double samples = rate > 0 ? rate * wantSeconds : static_cast<double>(config_.firstLeaseSamples);
     Budget budget{samples, config_.mostPixelsPerLease, UINT64_MAX};
     const size_t online = roster_.online(clock_.now());
     if (online > 1) {
-        uint64_t leased = 0;
-        for (const FrameRow& frame : t.frames.listActive(job.key)) leased += frame.passesLeased;
-        const uint64_t done = std::min(job.passes, job.passesMerged + leased);
+        const uint64_t done = std::min(job.passes, job.passesMerged + job.passesLeased);
         budget.passes = std::max<uint64_t>(1, (job.passes - done + 2 * online - 1) / (2 * online));
     }
     // A pass is never split; a tile larger than the limit still goes out, one pass at a time.

@@ -49,7 +49,7 @@ ResultTarget Scheduler::resultTarget(const std::string& leaseId, uint64_t epoch)
             throw Error(ErrorCode::conflict, "lease '" + leaseId + "' has a different epoch");
         const JobRow job = *t.jobs.find(lease->job);
         requireWanted(job);
-        target = {*lease, catalog_.get(job)};
+        target = {*lease, catalog_.get(t, job)};
     });
     return target;
 }

@@ -61,7 +61,7 @@ private:
 
     void frameCountsMatchRows(const JobRow& job, FrameRow& frame) {
         const PassCounts rows = t.passes.counts(frame.job, frame.frame);
-        const auto info = catalog_.get(job);
+        const auto info = catalog_.get(t, job);
         // Rows of complete levels are gone; all of theirs were merged.
         uint64_t gone = 0;
         for (const SampleRange& level : info->schedule)

@@ -16,7 +16,7 @@ namespace {
 
 json samplesOf(const JobRow& job) {
     if (job.faultSamples.empty()) return json::array();
-    const json seed = json::parse(job.specJson).at("settings").at("seed");
+    const json seed = json::parse(job.outlineJson).at("settings").at("seed");
     json list = json::array();
     for (const std::string& line : job.faultSamples) {
         std::istringstream words(line);

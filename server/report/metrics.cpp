@@ -64,24 +64,21 @@ struct PassTotals {
     std::optional<TimePoint> oldest;
 };
 
-// Jobs in work are few; their rows hold the counts.
-PassTotals passTotals(const ConstTables& t) {
+// Of the jobs that hand out work. All counts are kept by the store.
+PassTotals passTotals(const ConstTables& t, const std::map<JobState, JobTotals>& jobs) {
     PassTotals totals;
+    for (const JobState state : {JobState::queued, JobState::running}) {
+        const auto at = jobs.find(state);
+        if (at == jobs.end()) continue;
+        const JobTotals& of = at->second;
+        totals.queued += static_cast<double>(of.passesQueued);
+        totals.leased += static_cast<double>(of.passesLeased);
+        totals.merged += static_cast<double>(of.passesMerged);
+        totals.waiting += static_cast<double>(of.passes - of.passesMerged) -
+                          static_cast<double>(of.passesQueued + of.passesLeased);
+    }
     totals.oldest = t.passes.oldestQueued();
-    t.jobs.forEachLeasable([&](JobKey key) {
-        const JobRow job = *t.jobs.find(key);
-        double rows = 0;
-        for (const FrameRow& frame : t.frames.listActive(key)) {
-            totals.queued += static_cast<double>(frame.passesQueued);
-            totals.leased += static_cast<double>(frame.passesLeased);
-            rows += static_cast<double>(frame.passesQueued + frame.passesLeased);
-        }
-        totals.merged += static_cast<double>(job.passesMerged);
-        totals.waiting += static_cast<double>(job.passes - job.passesMerged) - rows;
-        if (job.state == JobState::queued)
-            totals.oldest = std::min(totals.oldest.value_or(job.created), job.created);
-        return true;
-    });
+    if (const auto job = t.jobs.oldestQueued()) totals.oldest = std::min(totals.oldest.value_or(*job), *job);
     return totals;
 }
 
@@ -118,17 +115,17 @@ void Metrics::violations(uint64_t found) {
 std::string Metrics::text(const JobStore& store, size_t openLeases, TimePoint now) {
     const std::scoped_lock lock(impl_->scraping);
     store.read([&](const ConstTables& t) {
-        const PassTotals totals = passTotals(t);
+        const auto counts = t.jobs.totals();
+        const PassTotals totals = passTotals(t, counts);
         impl_->passes.Add({{"state", "queued"}}).Set(totals.queued);
         impl_->passes.Add({{"state", "leased"}}).Set(totals.leased);
         impl_->passes.Add({{"state", "merged"}}).Set(totals.merged);
         impl_->passes.Add({{"state", "waiting"}}).Set(totals.waiting);
-        const auto counts = t.jobs.counts();
         for (const JobState state : {JobState::queued, JobState::running, JobState::paused,
                                      JobState::completed, JobState::failed, JobState::canceled}) {
             const auto at = counts.find(state);
             impl_->jobs.Add({{"state", std::string(toString(state))}})
-                .Set(at == counts.end() ? 0 : static_cast<double>(at->second));
+                .Set(at == counts.end() ? 0 : static_cast<double>(at->second.jobs));
         }
         const auto age = totals.oldest ? now - *totals.oldest : Milliseconds{0};
         impl_->oldestQueued.Set(static_cast<double>(age.count()) / 1000);

@@ -20,17 +20,28 @@ struct JobQuery {
     size_t limit = 50;
 };
 
+/// Of the jobs in one state.
+struct JobTotals {
+    uint64_t jobs = 0, passes = 0, passesMerged = 0, passesQueued = 0, passesLeased = 0;
+    friend bool operator==(const JobTotals&, const JobTotals&) = default;
+};
+
 struct JobTable {
     virtual ~JobTable() = default;
     virtual std::optional<JobRow> find(const std::string& id) const = 0;
     virtual std::optional<JobRow> find(JobKey key) const = 0;
     virtual std::optional<JobRow> findByIdempotencyKey(const std::string& key) const = 0;
     virtual std::vector<JobRow> list(const JobQuery& query) const = 0;
-    /// Jobs that hand out work (queued or running), highest priority first, then oldest; `visit`
-    /// returns false to stop.
+    /// What was submitted, whole: up to megabytes.
+    virtual std::string spec(JobKey key) const = 0;
+    /// Jobs that hand out work (queued or running, with passes neither merged nor on loan), highest priority
+    /// first, then oldest; `visit` returns false to stop.
     virtual void forEachLeasable(const std::function<bool(JobKey)>& visit) const = 0;
-    virtual std::map<JobState, uint64_t> counts() const = 0;
-    virtual JobKey insert(const JobRow& row) = 0;
+    /// Kept with every write, not counted: states without jobs may be left out.
+    virtual std::map<JobState, JobTotals> totals() const = 0;
+    /// When the oldest job that waits was made.
+    virtual std::optional<TimePoint> oldestQueued() const = 0;
+    virtual JobKey insert(const JobRow& row, const std::string& spec) = 0;
     virtual void update(const JobRow& row) = 0;
 };
 
@@ -41,6 +52,9 @@ struct FrameTable {
     virtual std::vector<FrameRow> listByState(FrameState state) const = 0;
     /// Frames of a job that have, or may still get, passes to hand out.
     virtual std::vector<FrameRow> listActive(JobKey job) const = 0;
+    /// Those among them that have some now: the others are wholly on loan or merged. By number.
+    virtual std::vector<FrameRow> listWithWork(JobKey job) const = 0;
+    virtual size_t countActive(JobKey job) const = 0;
     /// Makes the frame with its tiles, none of which has samples.
     virtual void insert(const FrameRow& row) = 0;
     virtual void update(const FrameRow& row) = 0;

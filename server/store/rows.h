@@ -23,13 +23,15 @@ struct JobRow {
     std::string id;
     JobState state = JobState::queued;
     int32_t priority = 50;
-    std::string specJson;
+    std::string outlineJson;  // what was submitted, without its scene's files but for the entry
     std::string idempotencyKey;  // empty: none
     std::string bodyDigest;      // of the request that made it
     TimePoint created{};
     std::optional<TimePoint> started, finished;
     uint64_t passes = 0;        // of all frames
     uint64_t passesMerged = 0;  // accepted and durable
+    uint64_t passesQueued = 0;  // sums over its frames; the store keeps them, an update passes them over
+    uint64_t passesLeased = 0;
     uint64_t pixelSamples = 0;  // the same as work: passes differ much in samples
     uint64_t pixelSamplesMerged = 0;
     uint32_t frames = 0;

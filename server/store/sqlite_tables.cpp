@@ -31,14 +31,21 @@ struct Jobs : JobTable {
         if (query.state) q.set(":state", *query.state);
         return q.set(":before", query.before).set(":limit", query.limit).all<JobRow>();
     }
+    std::string spec(JobKey key) const override {
+        auto q = c.query(sql::jobs::spec);
+        return q.set(":job", key).next() ? q.value<std::string>("json") : std::string{};
+    }
     // Rows are read before `visit` runs, since it may change them; a short page first, because the
     // first job nearly always has work.
     void forEachLeasable(const std::function<bool(JobKey)>& visit) const override {
-        const std::pair<int64_t, int64_t> pages[] = {{16, 0}, {-1, 16}};
-        for (const auto& [limit, offset] : pages) {
-            for (const JobKey key : leasable(limit, offset)) {
+        constexpr int64_t kGrowth = 4;
+        int64_t offset = 0;
+        for (int64_t limit = 16;; offset += limit, limit *= kGrowth) {
+            const auto keys = leasable(limit, offset);
+            for (const JobKey key : keys) {
                 if (!visit(key)) return;
             }
+            if (static_cast<int64_t>(keys.size()) < limit) return;
         }
     }
     std::vector<JobKey> leasable(int64_t limit, int64_t offset) const {
@@ -48,15 +55,27 @@ struct Jobs : JobTable {
         while (q.next()) keys.push_back(q.value<JobKey>("key"));
         return keys;
     }
-    std::map<JobState, uint64_t> counts() const override {
-        auto q = c.query(sql::jobs::counts);
-        std::map<JobState, uint64_t> counts;
-        while (q.next()) counts[q.value<JobState>("state")] = q.value<uint64_t>("jobs");
-        return counts;
+    std::map<JobState, JobTotals> totals() const override {
+        auto q = c.query(sql::jobs::totals);
+        std::map<JobState, JobTotals> totals;
+        while (q.next()) {
+            totals[q.value<JobState>("state")] = {.jobs = q.value<uint64_t>("jobs"),
+                                                  .passes = q.value<uint64_t>("passes"),
+                                                  .passesMerged = q.value<uint64_t>("passes_merged"),
+                                                  .passesQueued = q.value<uint64_t>("passes_queued"),
+                                                  .passesLeased = q.value<uint64_t>("passes_leased")};
+        }
+        return totals;
     }
-    JobKey insert(const JobRow& row) override {
+    std::optional<TimePoint> oldestQueued() const override {
+        auto q = c.query(sql::jobs::oldestQueued);
+        return q.next() ? std::optional(q.value<TimePoint>("created")) : std::nullopt;
+    }
+    JobKey insert(const JobRow& row, const std::string& spec) override {
         c.query(sql::jobs::insert).setRow(row).run();
-        return c.db().getLastInsertRowid();
+        const JobKey key = c.db().getLastInsertRowid();
+        c.query(sql::jobs::insertSpec).set(":job", key).set(":json", spec).run();
+        return key;
     }
     void update(const JobRow& row) override { c.query(sql::jobs::update).setRow(row).run(); }
 };
@@ -76,6 +95,14 @@ struct Frames : FrameTable {
     }
     std::vector<FrameRow> listActive(JobKey job) const override {
         return c.query(sql::frames::listActive).set(":job", job).all<FrameRow>();
+    }
+    std::vector<FrameRow> listWithWork(JobKey job) const override {
+        return c.query(sql::frames::listWithWork).set(":job", job).all<FrameRow>();
+    }
+    size_t countActive(JobKey job) const override {
+        auto q = c.query(sql::frames::countActive);
+        q.set(":job", job).next();
+        return q.value<size_t>("frames");
     }
     void insert(const FrameRow& row) override {
         c.query(sql::frames::insert).setRow(row).run();
@@ -140,7 +167,7 @@ struct Passes : PassTable {
     }
     std::optional<TimePoint> oldestQueued() const override {
         auto q = c.query(sql::passes::oldestQueued);
-        return q.next() ? q.value<std::optional<TimePoint>>("oldest") : std::nullopt;
+        return q.next() ? std::optional(q.value<TimePoint>("oldest")) : std::nullopt;
     }
     void insertLevel(JobKey job, int32_t frame, SampleRange level, uint32_t tiles, TimePoint now) override {
         auto q = c.query(sql::passes::insertLevel);

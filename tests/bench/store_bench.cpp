@@ -30,9 +30,9 @@ struct Farm {
         JobRow row;
         row.id = "j" + std::to_string(number);
         row.priority = static_cast<int32_t>(number * 37 % 101);
-        row.specJson = std::string(1500, ' ');  // about what a job's text takes
+        row.outlineJson = std::string(1500, ' ');  // about what a job's text takes
         row.passes = row.frames = row.pixelSamples = 1;
-        const JobKey key = t.jobs.insert(row);
+        const JobKey key = t.jobs.insert(row, row.outlineJson);
         if (first == 0) first = key;
     }
     void addFrame(Tables& t, uint32_t tiles) {

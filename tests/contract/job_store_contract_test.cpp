@@ -1,3 +1,4 @@
+// Long because one suite holds every table of a store to what it promises.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,7 +23,7 @@ JobRow jobRow(const std::string& id, int32_t priority = 50) {
     JobRow row;
     row.id = id;
     row.priority = priority;
-    row.specJson = "{}";
+    row.outlineJson = "{}";
     row.created = kNow;
     row.passes = 100;
     row.pixelSamples = 1000;
@@ -37,7 +38,7 @@ protected:
 
     JobKey addJob(const JobRow& row) {
         JobKey key = 0;
-        write([&](Tables& t) { key = t.jobs.insert(row); });
+        write([&](Tables& t) { key = t.jobs.insert(row, "{\"of\":\"" + row.id + "\"}"); });
         return key;
     }
     // A job with a frame of `tiles` tiles, each with one queued pass of sample 0.
@@ -133,6 +134,8 @@ TEST_P(JobStoreContract, GivesBackAJobWithAllItSays) {
         EXPECT_EQ(found.clampedLuminance, 0.75);
         EXPECT_EQ(found.keptLuminance, 2.25);
         EXPECT_EQ(found.lightsBehindGlass, 14u);
+        EXPECT_EQ(found.outlineJson, "{}");
+        EXPECT_EQ(t.jobs.spec(key), "{\"of\":\"a\"}");
         EXPECT_EQ(found.faultSamples, (std::vector<std::string>{"0 1 2 3", "4 5 6 7"}));
         EXPECT_EQ(t.jobs.find("a")->key, key);
         EXPECT_FALSE(t.jobs.find("b"));
@@ -144,7 +147,7 @@ TEST_P(JobStoreContract, UndoesATransactionThatThrows) {
     const JobKey job = addFrame(2);
     EXPECT_EQ(codeOf([&] {
                   write([&](Tables& t) {
-                      t.jobs.insert(jobRow("b"));
+                      t.jobs.insert(jobRow("b"), "{}");
                       t.passes.claim(
                           {.job = job, .frame = 0, .epoch = 1, .level = {0, 1}, .limit = 2, .worker = "w"});
                       throw Error(ErrorCode::gone, "stop");
@@ -158,7 +161,7 @@ TEST_P(JobStoreContract, UndoesATransactionThatThrows) {
 TEST_P(JobStoreContract, ShowsReadersTheStateBeforeAWriterThatIsUnderWay) {
     addJob(jobRow("a"));
     write([&](Tables& t) {
-        t.jobs.insert(jobRow("b"));
+        t.jobs.insert(jobRow("b"), "{}");
         read([&](const ConstTables& view) { EXPECT_FALSE(view.jobs.find("b")); });
     });
     read([&](const ConstTables& t) { EXPECT_TRUE(t.jobs.find("b")); });
@@ -182,7 +185,7 @@ TEST_P(JobStoreContract, ListsNewestFirstAPageAtATime) {
         EXPECT_EQ(page[1].id, "b");
         EXPECT_EQ(t.jobs.list({.state = {}, .before = page[1].key, .limit = 2}).at(0).id, "a");
         EXPECT_TRUE(t.jobs.list({.state = JobState::failed}).empty());
-        EXPECT_EQ(t.jobs.counts().at(JobState::queued), 3u);
+        EXPECT_EQ(t.jobs.totals().at(JobState::queued).jobs, 3u);
     });
 }
 
@@ -200,6 +203,87 @@ TEST_P(JobStoreContract, VisitsJobsByPriorityThenAge) {
     EXPECT_EQ(order[0], 21);
     EXPECT_TRUE(std::is_sorted(order.begin() + 1, order.end()));
     EXPECT_EQ(order[1], 1);
+}
+
+TEST_P(JobStoreContract, PassesOverJobsAndFramesThatAreWhollyOnLoan) {
+    const JobKey job = addFrame(2);  // 2 passes of 3 levels are counted below, as the scheduler does
+    const auto leasable = [&] {
+        std::vector<JobKey> keys;
+        read([&](const ConstTables& t) {
+            t.jobs.forEachLeasable([&](JobKey key) {
+                keys.push_back(key);
+                return true;
+            });
+        });
+        return keys;
+    };
+    const auto move = [&](uint64_t queued, uint64_t leased, uint32_t levels) {
+        write([&](Tables& t) {
+            FrameRow frame = *t.frames.find(job, 0);
+            frame.passesQueued = queued;
+            frame.passesLeased = leased;
+            frame.levelsCreated = levels;
+            t.frames.update(frame);
+        });
+    };
+    const auto framesWithWork = [&] {
+        size_t frames = 0;
+        read([&](const ConstTables& t) { frames = t.frames.listWithWork(job).size(); });
+        return frames;
+    };
+    write([&](Tables& t) {
+        JobRow row = *t.jobs.find(job);
+        row.passesMerged = row.passes - 6;
+        t.jobs.update(row);
+    });
+    move(6, 0, 3);
+    EXPECT_EQ(leasable(), std::vector{job});
+    EXPECT_EQ(framesWithWork(), 1u);
+    move(0, 6, 3);
+    EXPECT_TRUE(leasable().empty());
+    EXPECT_EQ(framesWithWork(), 0u);
+    move(0, 6, 2);
+    EXPECT_EQ(framesWithWork(), 1u) << "a level is still to come";
+    move(1, 5, 3);
+    EXPECT_EQ(leasable(), std::vector{job});
+    EXPECT_EQ(framesWithWork(), 1u);
+    read([&](const ConstTables& t) { EXPECT_EQ(t.frames.countActive(job), 1u); });
+}
+
+TEST_P(JobStoreContract, KeepsTheTotalsOfEveryState) {
+    const JobKey job = addFrame(4, "a");
+    addJob(jobRow("b"));
+    write([&](Tables& t) {
+        FrameRow frame = *t.frames.find(job, 0);
+        frame.passesQueued = 3;
+        frame.passesLeased = 1;
+        t.frames.update(frame);
+        frame.frame = 1;
+        frame.passesQueued = 2;
+        t.frames.insert(frame);
+        JobRow row = *t.jobs.find(job);
+        EXPECT_EQ(row.passesQueued, 5u);
+        EXPECT_EQ(row.passesLeased, 2u);
+        row.passesQueued = row.passesLeased = 99;  // an update does not take them from the row
+        row.passesMerged = 7;
+        row.state = JobState::running;
+        t.jobs.update(row);
+    });
+    read([&](const ConstTables& t) {
+        const auto totals = t.jobs.totals();
+        EXPECT_EQ(totals.at(JobState::running), (JobTotals{1, 100, 7, 5, 2}));
+        EXPECT_EQ(totals.at(JobState::queued), (JobTotals{1, 100, 0, 0, 0}));
+        EXPECT_EQ(t.jobs.oldestQueued(), kNow);
+    });
+    write([&](Tables& t) {
+        JobRow row = *t.jobs.find("b");
+        row.state = JobState::canceled;
+        t.jobs.update(row);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.jobs.totals().at(JobState::canceled).jobs, 1u);
+        EXPECT_EQ(t.jobs.oldestQueued(), std::nullopt);
+    });
 }
 
 TEST_P(JobStoreContract, AllowsExactlyTheMovesOfJobsInTheTable) {

@@ -1,3 +1,4 @@
+// Long because it has all tables of a store, each in as few lines as do.
 #include "tests/support/memory_job_store.h"
 
 #include <algorithm>
@@ -26,11 +27,23 @@ void checkMove(State from, State to) {
 
 struct Jobs : JobTable {
     std::map<JobKey, JobRow> rows;
+    std::map<JobKey, std::string> specs;
     JobKey last = 0;
+    const std::map<FrameKey, FrameRow>* frames = nullptr;  // of the frame table, set by State
 
+    // The row with the sums over its frames, which are counted here whenever they are asked for.
+    JobRow counted(JobRow row) const {
+        row.passesQueued = row.passesLeased = 0;
+        for (auto at = frames->lower_bound({row.key, INT32_MIN});
+             at != frames->end() && at->first.first == row.key; ++at) {
+            row.passesQueued += at->second.passesQueued;
+            row.passesLeased += at->second.passesLeased;
+        }
+        return row;
+    }
     std::optional<JobRow> findIf(const std::function<bool(const JobRow&)>& matches) const {
         for (const auto& [key, row] : rows) {
-            if (matches(row)) return row;
+            if (matches(row)) return counted(row);
         }
         return std::nullopt;
     }
@@ -39,7 +52,7 @@ struct Jobs : JobTable {
     }
     std::optional<JobRow> find(JobKey key) const override {
         const auto at = rows.find(key);
-        return at == rows.end() ? std::nullopt : std::optional(at->second);
+        return at == rows.end() ? std::nullopt : std::optional(counted(at->second));
     }
     std::optional<JobRow> findByIdempotencyKey(const std::string& key) const override {
         return findIf([&](const JobRow& row) { return !key.empty() && row.idempotencyKey == key; });
@@ -48,15 +61,17 @@ struct Jobs : JobTable {
         std::vector<JobRow> found;
         for (auto at = rows.rbegin(); at != rows.rend() && found.size() < query.limit; ++at) {
             if (at->first < query.before && (!query.state || at->second.state == *query.state)) {
-                found.push_back(at->second);
+                found.push_back(counted(at->second));
             }
         }
         return found;
     }
+    std::string spec(JobKey key) const override { return specs.at(key); }
     void forEachLeasable(const std::function<bool(JobKey)>& visit) const override {
         std::vector<std::pair<int32_t, JobKey>> order;
         for (const auto& [key, row] : rows) {
-            if (row.state == JobState::queued || row.state == JobState::running)
+            const bool handsOut = row.state == JobState::queued || row.state == JobState::running;
+            if (handsOut && row.passesMerged + counted(row).passesLeased < row.passes)
                 order.emplace_back(-row.priority, key);
         }
         std::sort(order.begin(), order.end());
@@ -64,16 +79,29 @@ struct Jobs : JobTable {
             if (!visit(key)) return;
         }
     }
-    std::map<JobState, uint64_t> counts() const override {
-        std::map<JobState, uint64_t> counts;
-        for (const auto& [key, row] : rows) ++counts[row.state];
-        return counts;
+    std::map<JobState, JobTotals> totals() const override {
+        std::map<JobState, JobTotals> totals;
+        for (const auto& [key, plain] : rows) {
+            const JobRow row = counted(plain);
+            JobTotals& of = totals[row.state];
+            ++of.jobs;
+            of.passes += row.passes;
+            of.passesMerged += row.passesMerged;
+            of.passesQueued += row.passesQueued;
+            of.passesLeased += row.passesLeased;
+        }
+        return totals;
     }
-    JobKey insert(const JobRow& row) override {
+    std::optional<TimePoint> oldestQueued() const override {
+        const auto oldest = findIf([](const JobRow& row) { return row.state == JobState::queued; });
+        return oldest ? std::optional(oldest->created) : std::nullopt;
+    }
+    JobKey insert(const JobRow& row, const std::string& spec) override {
         if (find(row.id)) refuse("job id '" + row.id + "' is taken");
         if (findByIdempotencyKey(row.idempotencyKey)) refuse("idempotency key is taken");
         rows[++last] = row;
         rows[last].key = last;
+        specs[last] = spec;
         return last;
     }
     void update(const JobRow& row) override {
@@ -108,6 +136,13 @@ struct Frames : FrameTable {
     std::vector<FrameRow> listActive(JobKey job) const override {
         return listIf([&](const FrameRow& row) { return row.job == job && row.state == FrameState::active; });
     }
+    std::vector<FrameRow> listWithWork(JobKey job) const override {
+        return listIf([&](const FrameRow& row) {
+            return row.job == job && row.state == FrameState::active &&
+                   (row.passesQueued > 0 || row.levelsCreated < row.levels);
+        });
+    }
+    size_t countActive(JobKey job) const override { return listActive(job).size(); }
     void insert(const FrameRow& row) override {
         if (!rows.emplace(FrameKey{row.job, row.frame}, row).second) refuse("the frame exists");
         for (uint32_t tile = 0; tile < row.tiles; ++tile) {
@@ -439,6 +474,7 @@ struct MemoryJobStore::State {
     }
     State& operator=(const State&) = delete;
     void link() {
+        jobs.frames = &frames.rows;
         passes.leases = &leases;
         leases.contributions = &workers.contributionRows;
     }

@@ -11,6 +11,13 @@ SELECT * FROM frames WHERE state = :state ORDER BY job, frame;
 SELECT * FROM frames INDEXED BY frames_by_state
  WHERE state = 'active' AND job = :job ORDER BY frame;
 
+-- name: listWithWork
+SELECT * FROM frames INDEXED BY frames_with_work
+ WHERE job = :job AND state = 'active' AND (passes_queued > 0 OR levels_created < levels) ORDER BY frame;
+
+-- name: countActive
+SELECT count(*) AS frames FROM frames INDEXED BY frames_by_state WHERE state = 'active' AND job = :job;
+
 -- name: insert
 INSERT INTO frames (
     job, frame, state, levels, levels_created, tiles, passes_merged, passes_queued, passes_leased,

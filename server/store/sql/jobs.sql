@@ -15,22 +15,31 @@ SELECT * FROM jobs WHERE state = :state AND key < :before ORDER BY key DESC LIMI
 
 -- name: leasable
 SELECT key FROM jobs INDEXED BY jobs_leasable
- WHERE state IN ('queued', 'running')
+ WHERE state IN ('queued','running') AND passes > passes_merged + passes_leased
  ORDER BY priority DESC, key LIMIT :limit OFFSET :offset;
 
--- name: counts
-SELECT state, count(*) AS jobs FROM jobs GROUP BY state;
+-- name: totals
+SELECT * FROM job_totals;
+
+-- name: oldestQueued
+SELECT created FROM jobs WHERE state = 'queued' ORDER BY key LIMIT 1;
+
+-- name: spec
+SELECT json FROM specs WHERE job = :job;
+
+-- name: insertSpec
+INSERT INTO specs (job, json) VALUES (:job, :json);
 
 -- name: insert
 INSERT INTO jobs (
-    id, state, priority, spec, idempotency_key, body_digest, created, started, finished,
+    id, state, priority, outline, idempotency_key, body_digest, created, started, finished,
     passes, passes_merged, pixel_samples, pixel_samples_merged,
     frames, frames_started, frames_done, samples_merged, relative_error, device_seconds,
     dropped_samples, faults, rejected_paths, truncated_paths, fault_samples,
     truncated_throughput, clamped_samples, clamped_luminance, kept_luminance,
     suspect_frame, died_on, set_aside, lights_behind_glass)
 VALUES (
-    :id, :state, :priority, :spec, :idempotency_key, :body_digest, :created, :started, :finished,
+    :id, :state, :priority, :outline, :idempotency_key, :body_digest, :created, :started, :finished,
     :passes, :passes_merged, :pixel_samples, :pixel_samples_merged,
     :frames, :frames_started, :frames_done, :samples_merged, :relative_error, :device_seconds,
     :dropped_samples, :faults, :rejected_paths, :truncated_paths, :fault_samples,

@@ -27,7 +27,7 @@ SELECT * FROM passes INDEXED BY passes_held_of_tile
 SELECT 1 FROM passes INDEXED BY passes_held WHERE held_file = :held_file LIMIT 1;
 
 -- name: oldestQueued
-SELECT min(queued_at) AS oldest FROM passes INDEXED BY passes_queued WHERE state = 'queued';
+SELECT queued_at AS oldest FROM passes INDEXED BY passes_oldest WHERE state = 'queued' ORDER BY queued_at LIMIT 1;
 
 -- name: insertLevel
 WITH RECURSIVE t(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM t WHERE i + 1 < :tiles)

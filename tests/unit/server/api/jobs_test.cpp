@@ -124,6 +124,18 @@ TEST_F(ApiTest, PagesThroughJobsNewestFirst) {
     EXPECT_EQ(parsed(get("/v1/jobs?state=running"))["jobs"].size(), 0u);
 }
 
+// A scene may have thousands of files, and a page a thousand jobs.
+TEST_F(ApiTest, ListsOfAScenesFilesTheEntryAlone) {
+    JobSpec job = spec("one");
+    job.scene.files["b.bin"] = spec("two").scene.files.at("a.glb");
+    const json made = parsed(post("/v1/jobs", toJson(job)));
+    EXPECT_EQ(made["spec"]["scene"]["files"].size(), 2u);
+    json listed = parsed(get("/v1/jobs"))["jobs"].at(0);
+    EXPECT_EQ(listed["spec"]["scene"]["files"], json({{"a.glb", sha256Hex(std::string_view("one"))}}));
+    listed["spec"]["scene"]["files"] = made["spec"]["scene"]["files"];
+    EXPECT_EQ(listed, made);
+}
+
 TEST_F(ApiTest, MovesJobsAsTheTableAllows) {
     const std::string path = "/v1/jobs/" + submit()["id"].get<std::string>();
     EXPECT_EQ(parsed(client.Post((path + "/pause").c_str()))["state"], "paused");

@@ -275,7 +275,7 @@ TEST(ResultMerger, IsNotHarmedByGarbageInTheSlotNotInForce) {
     farm.deliver(leases[0]);
     std::vector<TileRow> rows;
     farm.store->read([&](const ConstTables& t) { rows = t.frames.tiles(farm.job(id).key, 0); });
-    const auto info = farm.scheduler->catalog().get(farm.job(id));
+    const auto info = farm.info(id);
     FilmFile file = farm.films->open(*info, 0);
     for (const TileRow& row : rows) {  // what a torn write of an unfinished merge may leave
         FilmTile garbage(info->grid.rect(row.tile));
@@ -291,7 +291,7 @@ TEST(ResultMerger, NoticesAFilmThatIsNotTheDatabases) {
     const std::string id = farm.scheduler->submit(smallJob()).job.id;
     const auto leases = allLeases(farm);
     farm.deliver(leases[0]);
-    const auto info = farm.scheduler->catalog().get(farm.job(id));
+    const auto info = farm.info(id);
     FilmTile other(info->grid.rect(0));
     other.mergedSamples = 99;
     FilmFile file = farm.films->open(*info, 0);

@@ -157,13 +157,15 @@ protected:
         for (int32_t frame = 0; frame < int32_t{kFrames}; ++frame) {
             std::vector<FilmTile> tiles;
             std::vector<TileRow> rows;
+            std::shared_ptr<const JobInfo> info;
             store->read([&](const ConstTables& t) {
+                info = scheduler.catalog().get(t, row);
                 EXPECT_EQ(t.frames.find(row.key, frame)->state, FrameState::finishing);
                 rows = t.frames.tiles(row.key, frame);
             });
             for (const TileRow& tile : rows)
-                tiles.push_back(films.read(*scheduler.catalog().get(row), frame, tile));
-            EXPECT_TRUE(sameBits(tiles, renderFrame(scheduler.catalog().get(row)->spec, frame)))
+                tiles.push_back(films.read(*info, frame, tile));
+            EXPECT_TRUE(sameBits(tiles, renderFrame(info->spec, frame)))
                 << id << " frame " << frame;
         }
     }

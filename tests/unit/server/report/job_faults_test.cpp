@@ -14,7 +14,7 @@ using testing::IsEmpty;
 
 JobRow job() {
     JobRow row;
-    row.specJson = R"({"settings": {"seed": 9}})";
+    row.outlineJson = R"({"settings": {"seed": 9}})";
     row.pixelSamplesMerged = 1000;
     return row;
 }

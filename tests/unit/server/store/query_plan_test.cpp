@@ -7,6 +7,7 @@
 #include "server/store/sqlite_schema.h"
 #include "server/store/sqlite_tables.h"
 #include "sql/events.h"
+#include "sql/frames.h"
 #include "sql/jobs.h"
 #include "sql/leases.h"
 #include "sql/passes.h"
@@ -24,10 +25,10 @@ constexpr uint32_t kTiles = 64;
 
 // Statements that look at a whole table or index, and why they may.
 const std::map<std::string, const char*> kMayScan{
-    {sql::jobs::counts, "metrics; an index alone, without the rows"},
+    {sql::jobs::totals, "metrics; a row per state"},
     {sql::jobs::leasable, "holds the jobs asked for and no others"},
     {sql::passes::held, "at start, all are wanted"},
-    {sql::passes::oldestQueued, "metrics; of created levels alone"},
+    {sql::passes::oldestQueued, "the first entry of an index that holds no others"},
     {sql::passes::leasedWithoutLease, "every minute; holds the passes on loan and no others"},
     {sql::leases::open, "holds the leases asked for and no others"},
     {sql::leases::lost, "at start; holds the leases asked for and no others"},
@@ -61,11 +62,11 @@ private:
     void fill() {
         Tables t = tables_.tables();
         JobRow row;
-        row.specJson = "{}";
+        row.outlineJson = "{}";
         row.passes = row.frames = row.pixelSamples = 1;
         for (int i = 0; i < 100; ++i) {
             row.id = "j" + std::to_string(i);
-            job_ = t.jobs.insert(row);
+            job_ = t.jobs.insert(row, "{}");
         }
         FrameRow frame;
         frame.job = job_;
@@ -95,13 +96,17 @@ private:
         jobs.list({});
         jobs.list({.state = JobState::queued});
         jobs.forEachLeasable([](JobKey) { return true; });
-        jobs.counts();
+        jobs.totals();
+        jobs.oldestQueued();
+        jobs.spec(job_);
         jobs.update(*jobs.find(job_));
     }
     void callFrames(FrameTable& frames) {
         frames.list(job_);
         frames.listByState(FrameState::finishing);
         frames.listActive(job_);
+        frames.listWithWork(job_);
+        frames.countActive(job_);
         frames.update(*frames.find(job_, 0));
         frames.tiles(job_, 0);
         frames.update(*frames.tile(job_, 0, 1));
@@ -173,6 +178,10 @@ TEST_F(QueryPlan, TakesTheIndexMadeForEachHotQuery) {
         plan(sql::passes::heldOf),
         testing::ElementsAre("SEARCH passes USING INDEX passes_held_of_tile (job=? AND frame=? AND tile=?)"));
     EXPECT_THAT(plan(sql::passes::isHeld), Contains(HasSubstr("INDEX passes_held (held_file=?)")));
+    EXPECT_THAT(plan(sql::jobs::oldestQueued), Contains(HasSubstr("INDEX jobs_by_state (state=?)")));
+    EXPECT_THAT(plan(sql::frames::listWithWork),
+                testing::ElementsAre("SEARCH frames USING INDEX frames_with_work (job=?)"));
+    EXPECT_THAT(plan(sql::passes::oldestQueued), testing::ElementsAre(HasSubstr("INDEX passes_oldest")));
     EXPECT_THAT(plan(sql::passes::claim), Contains(HasSubstr("INDEX passes_queued")));
     EXPECT_THAT(plan(sql::passes::release), Contains(HasSubstr("INDEX passes_leased")));
     EXPECT_THAT(plan(sql::passes::lowestQueued), Contains(HasSubstr("INDEX passes_queued")));

@@ -101,6 +101,13 @@ JobRow TestFarm::job(const std::string& id) const {
     return row;
 }
 
+std::shared_ptr<const JobInfo> TestFarm::info(const std::string& id) const {
+    std::shared_ptr<const JobInfo> info;
+    store->read(
+        [&](const ConstTables& t) { info = scheduler->catalog().get(t, t.jobs.find(id).value()); });
+    return info;
+}
+
 FrameRow TestFarm::frame(const std::string& id, int32_t number) const {
     FrameRow row;
     store->read([&](const ConstTables& t) { row = t.frames.find(t.jobs.find(id)->key, number).value(); });
@@ -132,10 +139,9 @@ void TestFarm::finish(const std::string& worker) {
 std::vector<FilmTile> TestFarm::film(const std::string& id, int32_t number) {
     std::vector<FilmTile> tiles;
     std::vector<TileRow> rows;
-    const JobRow row = job(id);
-    store->read([&](const ConstTables& t) { rows = t.frames.tiles(row.key, number); });
-    for (const TileRow& tile : rows)
-        tiles.push_back(films->read(*scheduler->catalog().get(row), number, tile));
+    const auto known = info(id);
+    store->read([&](const ConstTables& t) { rows = t.frames.tiles(known->key, number); });
+    for (const TileRow& tile : rows) tiles.push_back(films->read(*known, number, tile));
     return tiles;
 }
 

@@ -52,6 +52,7 @@ struct TestFarm {
     void reopen();
 
     JobRow job(const std::string& id) const;
+    std::shared_ptr<const JobInfo> info(const std::string& id) const;
     FrameRow frame(const std::string& id, int32_t number = 0) const;
     /// Throws std::runtime_error if there is no work.
     Lease lease(const std::string& worker = "w", double seconds = 5);
