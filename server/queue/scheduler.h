@@ -114,7 +114,8 @@ public:
     /// The frame's final image is durable. Completes the job with its last frame.
     void frameWritten(JobKey job, int32_t frame, const std::string& exrSha256, uint64_t exrBytes);
 
-    /// Checks the named invariants and repairs what it can; at start and every minute.
+    /// Checks the named invariants and repairs what it can; at start and every minute. Others go on
+    /// meanwhile: rows are compared in readers' views, and changed few at a time.
     std::vector<Violation> sweep();
 
     std::vector<WorkerRow> workers() const;
@@ -185,6 +186,12 @@ private:
     void completeLevels(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info,
                         const ResultMerge& merge, double secondsBefore);
     void dropTail(Tables& t, const FrameRow& frame);
+
+    std::vector<JobKey> jobKeys(const JobQuery& query) const;
+    void freeUnleasedPasses(std::vector<Violation>& found);
+    void sweepJob(JobKey key, std::vector<Violation>& found);
+    void closeUnwatchedLeases(std::vector<Violation>& found);
+    void forgetOldRows();
 
     JobStore& store_;
     const Clock& clock_;

@@ -7,113 +7,175 @@ namespace {
 
 constexpr Milliseconds kLeasesKept{std::chrono::hours(24)};
 constexpr Milliseconds kWorkersKept{std::chrono::hours(24 * 7)};
+constexpr size_t kPage = 100;           // jobs
+constexpr size_t kRowsAtATime = 500;    // of one transaction, for which everybody waits
+constexpr int kMostTransactions = 100;  // for one kind of rows; the next sweep goes on
 
 std::string placeOf(const std::string& job, int32_t frame) {
     return "job " + job + ", frame " + std::to_string(frame);
 }
 
-// What has to hold between two transactions, whatever crashed before. Each check names itself.
-class Sweeper {
-public:
-    Sweeper(Tables& tables, JobCatalog& catalog, TimePoint now) : t(tables), catalog_(catalog), now_(now) {}
-
-    std::vector<Violation> run() {
-        leasedPassHasOpenLease();
-        for (const JobState state : {JobState::queued, JobState::running, JobState::paused}) {
-            forEachJob(state, [&](const JobRow& job) { checkUnfinished(job); });
-        }
-        return std::move(found_);
-    }
-
-private:
-    void forEachJob(JobState state, const std::function<void(const JobRow&)>& check) {
-        JobQuery query{.state = state, .before = INT64_MAX, .limit = 100};
-        for (auto page = t.jobs.list(query); !page.empty(); page = t.jobs.list(query)) {
-            for (const JobRow& job : page) check(job);
-            query.before = page.back().key;
-        }
-    }
-
-    void leasedPassHasOpenLease() {
-        for (PassRow& pass : t.passes.leasedWithoutLease()) {
-            pass.state = PassState::queued;
-            pass.queuedAt = now_;
-            t.passes.update(pass);
-            report("leased-pass-has-open-lease", placeOf(std::to_string(pass.job), pass.frame), true);
-        }
-    }
-
-    void checkUnfinished(const JobRow& job) {
-        uint64_t merged = 0;
-        uint32_t done = 0;
-        for (FrameRow& frame : t.frames.list(job.key)) {
-            if (frame.state == FrameState::active) frameCountsMatchRows(job, frame);
-            merged += frame.passesMerged;
-            done += frame.state == FrameState::completed;
-        }
-        if (merged == job.passesMerged && done == job.framesDone) return;
-        JobRow fixed = job;
-        fixed.passesMerged = merged;
-        fixed.framesDone = done;
-        t.jobs.update(fixed);
-        report("job-counts-match-frames", "job " + job.id, true);
-    }
-
-    void frameCountsMatchRows(const JobRow& job, FrameRow& frame) {
-        const PassCounts rows = t.passes.counts(frame.job, frame.frame);
-        const auto info = catalog_.get(t, job);
-        // Rows of complete levels are gone; all of theirs were merged.
-        uint64_t gone = 0;
-        for (const SampleRange& level : info->schedule)
-            gone += level.end() <= frame.samplesMerged ? frame.tiles : 0;
-        const uint64_t merged = gone + rows.merged;
-        if (frame.passesQueued != rows.queued || frame.passesLeased != rows.leased ||
-            frame.passesMerged != merged) {
-            frame.passesQueued = rows.queued;
-            frame.passesLeased = rows.leased;
-            frame.passesMerged = merged;
-            t.frames.update(frame);
-            report("frame-counts-match-passes", placeOf(job.id, frame.frame), true);
-        }
-        // The tail of every stuck job: nothing queued, nothing leased, nothing left to create.
-        if (frame.samplesMerged < info->spec.stop.samples && frame.levelsCreated == frame.levels &&
-            rows.queued + rows.leased == 0) {
-            report("active-frame-has-work", placeOf(job.id, frame.frame), false);
-        }
-    }
-
-    void report(std::string invariant, std::string detail, bool repaired) {
-        found_.push_back({std::move(invariant), std::move(detail), repaired});
-    }
-
-    Tables& t;
-    JobCatalog& catalog_;
-    TimePoint now_;
-    std::vector<Violation> found_;
+// What of a job does not hold between two transactions, whatever crashed before.
+struct JobDamage {
+    std::vector<FrameRow> frames;  // as they should be
+    std::vector<int32_t> stuck;    // frames
+    std::optional<JobRow> job;     // as it should be
+    bool none() const { return frames.empty() && stuck.empty() && !job; }
 };
+
+FrameRow countedFrame(const ConstTables& t, const JobInfo& info, FrameRow frame) {
+    const PassCounts rows = t.passes.counts(frame.job, frame.frame);
+    // Rows of complete levels are gone; all of theirs were merged.
+    uint64_t gone = 0;
+    for (const SampleRange& level : info.schedule)
+        gone += level.end() <= frame.samplesMerged ? frame.tiles : 0;
+    frame.passesQueued = rows.queued;
+    frame.passesLeased = rows.leased;
+    frame.passesMerged = gone + rows.merged;
+    return frame;
+}
+
+bool sameCounts(const FrameRow& a, const FrameRow& b) {
+    return a.passesQueued == b.passesQueued && a.passesLeased == b.passesLeased &&
+           a.passesMerged == b.passesMerged;
+}
+
+// The tail of every stuck job: nothing queued, nothing leased, nothing left to create.
+bool isStuck(const JobInfo& info, const FrameRow& frame) {
+    return frame.samplesMerged < info.spec.stop.samples && frame.levelsCreated == frame.levels &&
+           frame.passesQueued + frame.passesLeased == 0;
+}
+
+JobDamage damageOf(const ConstTables& t, const JobRow& job, const JobInfo& info) {
+    JobDamage damage;
+    uint64_t merged = 0;
+    uint32_t done = 0;
+    for (const FrameRow& frame : t.frames.list(job.key)) {
+        const bool active = frame.state == FrameState::active;
+        const FrameRow counted = active ? countedFrame(t, info, frame) : frame;
+        if (!sameCounts(frame, counted)) damage.frames.push_back(counted);
+        if (active && isStuck(info, counted)) damage.stuck.push_back(frame.frame);
+        merged += counted.passesMerged;
+        done += frame.state == FrameState::completed;
+    }
+    if (merged == job.passesMerged && done == job.framesDone) return damage;
+    damage.job = job;
+    damage.job->passesMerged = merged;
+    damage.job->framesDone = done;
+    return damage;
+}
+
+void mend(Tables& t, const JobRow& job, const JobDamage& damage, std::vector<Violation>& found) {
+    for (const FrameRow& frame : damage.frames) {
+        t.frames.update(frame);
+        found.push_back({"frame-counts-match-passes", placeOf(job.id, frame.frame), true});
+    }
+    for (const int32_t frame : damage.stuck)
+        found.push_back({"active-frame-has-work", placeOf(job.id, frame), false});
+    if (!damage.job) return;
+    t.jobs.update(*damage.job);
+    found.push_back({"job-counts-match-frames", "job " + job.id, true});
+}
+
+bool unfinished(const std::optional<JobRow>& job) {
+    return job && !isFinal(job->state);
+}
 
 }  // namespace
 
 std::vector<Violation> Scheduler::sweep() {
     expire();
-    const std::scoped_lock lock(mutex_);
     std::vector<Violation> found;
-    const TimePoint now = clock_.now();
+    freeUnleasedPasses(found);
+    for (const JobState state : {JobState::queued, JobState::running, JobState::paused}) {
+        JobQuery query{.state = state, .before = INT64_MAX, .limit = kPage};
+        for (auto page = jobKeys(query); !page.empty(); page = jobKeys(query)) {
+            for (const JobKey key : page) sweepJob(key, found);
+            query.before = page.back();
+        }
+    }
+    closeUnwatchedLeases(found);
+    forgetOldRows();
+    return found;
+}
+
+std::vector<JobKey> Scheduler::jobKeys(const JobQuery& query) const {
+    std::vector<JobKey> keys;
+    store_.read([&](const ConstTables& t) {
+        for (const JobRow& job : t.jobs.list(query)) keys.push_back(job.key);
+    });
+    return keys;
+}
+
+void Scheduler::freeUnleasedPasses(std::vector<Violation>& found) {
+    const auto anyLeft = [&] {
+        bool any = false;
+        store_.read([&](const ConstTables& t) { any = !t.passes.leasedWithoutLease(1).empty(); });
+        return any;
+    };
+    for (int i = 0; i < kMostTransactions && anyLeft(); ++i) {
+        const std::scoped_lock lock(mutex_);
+        write([&](Tables& t) {
+            for (PassRow& pass : t.passes.leasedWithoutLease(kRowsAtATime)) {
+                pass.state = PassState::queued;
+                pass.queuedAt = clock_.now();
+                t.passes.update(pass);
+                found.push_back(
+                    {"leased-pass-has-open-lease", placeOf(std::to_string(pass.job), pass.frame), true});
+            }
+        });
+    }
+}
+
+// Rows are compared in a reader's view, for which nobody waits. Only damage is worth a look under the lock.
+void Scheduler::sweepJob(JobKey key, std::vector<Violation>& found) {
+    bool sound = true;
+    store_.read([&](const ConstTables& t) {
+        const auto job = t.jobs.find(key);
+        if (unfinished(job)) sound = damageOf(t, *job, *catalog_.get(t, *job)).none();
+    });
+    if (sound) return;
+    const std::scoped_lock lock(mutex_);
     write([&](Tables& t) {
-        found = Sweeper(t, catalog_, now).run();
-        // An open lease of the database that nobody watches would never expire.
-        for (const LeaseRow& lease : t.leases.open()) {
-            if (open_.contains(lease.id)) continue;
+        const auto job = t.jobs.find(key);
+        if (unfinished(job)) mend(t, *job, damageOf(t, *job, *catalog_.get(t, *job)), found);
+    });
+}
+
+// An open lease of the database that nobody watches would never expire.
+void Scheduler::closeUnwatchedLeases(std::vector<Violation>& found) {
+    std::vector<LeaseRow> open;
+    store_.read([&](const ConstTables& t) { open = t.leases.open(); });
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(open, [&](const LeaseRow& lease) { return open_.contains(lease.id); });
+    if (open.empty()) return;
+    write([&](Tables& t) {
+        for (const LeaseRow& lease : open) {
+            const auto now = t.leases.find(lease.id);
+            if (!now || now->state != LeaseState::open) continue;
             giveUp(t, lease.id, LeaseState::expired);
             found.push_back({"open-lease-is-watched", "lease " + lease.id, true});
         }
-        t.leases.forgetClosedBefore(now - kLeasesKept);
+    });
+}
+
+void Scheduler::forgetOldRows() {
+    const TimePoint now = clock_.now();
+    const auto inBatches = [&](const std::function<uint64_t(Tables&)>& forget) {
+        uint64_t forgotten = kRowsAtATime;
+        for (int i = 0; i < kMostTransactions && forgotten == kRowsAtATime; ++i)
+            store_.write([&](Tables& t) { forgotten = forget(t); });
+    };
+    inBatches([&](Tables& t) { return t.leases.forgetClosedBefore(now - kLeasesKept, kRowsAtATime); });
+    inBatches([&](Tables& t) {
+        return t.events.forgetBelow(t.events.lastId() - config_.eventsKept, kRowsAtATime);
+    });
+    store_.write([&](Tables& t) { t.workers.forgetSeenBefore(now - kWorkersKept); });
+    const std::scoped_lock lock(mutex_);
+    store_.read([&](const ConstTables& t) {
         std::erase_if(lost_, [&](const auto& at) { return !t.leases.find(at.first); });
-        t.workers.forgetSeenBefore(now - kWorkersKept);
-        t.events.forgetBelow(t.events.lastId() - config_.eventsKept);
     });
     roster_.forgetSeenBefore(now - kWorkersKept);
-    return found;
 }
 
 }  // namespace tilefarm

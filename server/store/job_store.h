@@ -91,8 +91,8 @@ struct PassTable {
     /// First sample of the lowest level that has a queued pass.
     virtual std::optional<uint32_t> lowestQueued(JobKey job, int32_t frame, uint32_t from) const = 0;
     virtual PassCounts counts(JobKey job, int32_t frame) const = 0;
-    /// Leased passes whose lease is not open, and early passes that wait: what a sweep looks at.
-    virtual std::vector<PassRow> leasedWithoutLease() const = 0;
+    /// Leased passes whose lease is not open, and early passes that wait.
+    virtual std::vector<PassRow> leasedWithoutLease(size_t limit) const = 0;
     virtual std::vector<PassRow> held() const = 0;
     virtual std::vector<PassRow> heldOf(JobKey job, int32_t frame, uint32_t tile) const = 0;
     /// Whether an early pass still waits in the file.
@@ -117,7 +117,8 @@ struct LeaseTable {
     virtual uint64_t lastEpoch() const = 0;
     virtual void insert(const LeaseRow& row) = 0;
     virtual void close(uint64_t epoch, LeaseState state) = 0;
-    virtual void forgetClosedBefore(TimePoint granted) = 0;
+    /// The oldest ones first, up to `limit`; how many.
+    virtual uint64_t forgetClosedBefore(TimePoint granted, size_t limit) = 0;
     /// Failures: distinct (pass, worker), with the number of reports.
     virtual void addFailure(const FailureRow& row) = 0;
     virtual std::vector<FailureRow> failures(JobKey job, int32_t frame, uint32_t tile,
@@ -152,7 +153,8 @@ struct EventTable {
     virtual std::vector<EventRow> list(int64_t after, std::optional<JobKey> job, size_t limit) const = 0;
     virtual int64_t lastId() const = 0;
     virtual int64_t add(const EventRow& row) = 0;
-    virtual void forgetBelow(int64_t id) = 0;
+    /// The oldest ones first, up to `limit`; how many.
+    virtual uint64_t forgetBelow(int64_t id, size_t limit) = 0;
 };
 
 struct Tables {

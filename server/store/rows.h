@@ -23,7 +23,7 @@ struct JobRow {
     std::string id;
     JobState state = JobState::queued;
     int32_t priority = 50;
-    std::string outlineJson;  // what was submitted, without its scene's files but for the entry
+    std::string outlineJson;     // what was submitted, without its scene's files but for the entry
     std::string idempotencyKey;  // empty: none
     std::string bodyDigest;      // of the request that made it
     TimePoint created{};

@@ -154,8 +154,8 @@ struct Passes : PassTable {
                 .merged = q.value<uint64_t>("merged"),
                 .failed = q.value<uint64_t>("failed")};
     }
-    std::vector<PassRow> leasedWithoutLease() const override {
-        return c.query(sql::passes::leasedWithoutLease).all<PassRow>();
+    std::vector<PassRow> leasedWithoutLease(size_t limit) const override {
+        return c.query(sql::passes::leasedWithoutLease).set(":limit", limit).all<PassRow>();
     }
     std::vector<PassRow> held() const override { return c.query(sql::passes::held).all<PassRow>(); }
     std::vector<PassRow> heldOf(JobKey job, int32_t frame, uint32_t tile) const override {
@@ -209,8 +209,8 @@ struct Leases : LeaseTable {
     void close(uint64_t epoch, LeaseState state) override {
         c.query(sql::leases::close).set(":epoch", epoch).set(":state", state).run();
     }
-    void forgetClosedBefore(TimePoint granted) override {
-        c.query(sql::leases::forgetClosedBefore).set(":granted", granted).run();
+    uint64_t forgetClosedBefore(TimePoint granted, size_t limit) override {
+        return c.query(sql::leases::forgetClosedBefore).set(":granted", granted).set(":limit", limit).run();
     }
     std::vector<LeaseRow> lost() const override { return c.query(sql::leases::lost).all<LeaseRow>(); }
     void setLoss(uint64_t epoch, Loss loss) override {
@@ -279,7 +279,9 @@ struct Events : EventTable {
         c.query(sql::events::add).setRow(row).run();
         return c.db().getLastInsertRowid();
     }
-    void forgetBelow(int64_t id) override { c.query(sql::events::forgetBelow).set(":id", id).run(); }
+    uint64_t forgetBelow(int64_t id, size_t limit) override {
+        return c.query(sql::events::forgetBelow).set(":id", id).set(":limit", limit).run();
+    }
 };
 
 }  // namespace

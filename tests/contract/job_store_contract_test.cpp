@@ -498,7 +498,7 @@ TEST_P(JobStoreContract, NeverGivesAnEpochTwice) {
         EXPECT_EQ(lease.passes, (std::vector<LeasedPass>{{3, {8, 16}}, {4, {8, 16}}}));
         EXPECT_TRUE(t.leases.open().empty());
     });
-    write([&](Tables& t) { t.leases.forgetClosedBefore(kNow + Milliseconds(1)); });
+    write([&](Tables& t) { t.leases.forgetClosedBefore(kNow + Milliseconds(1), 10); });
     read([&](const ConstTables& t) {
         EXPECT_FALSE(t.leases.find("l"));
         EXPECT_EQ(t.leases.lastEpoch(), 7u);
@@ -569,7 +569,7 @@ TEST_P(JobStoreContract, FindsPassesWhoseLeaseIsNotOpen) {
     claim(job, 1, 1);
     claim(job, 2, 1);
     read([&](const ConstTables& t) {
-        const auto lost = t.passes.leasedWithoutLease();
+        const auto lost = t.passes.leasedWithoutLease(10);
         ASSERT_EQ(lost.size(), 1u);
         EXPECT_EQ(lost[0].tile, 1u);
     });
@@ -642,7 +642,7 @@ TEST_P(JobStoreContract, GivesEventsInOrderAndNeverAnIdTwice) {
         EXPECT_EQ(ofJob[0].type, "progress");
     });
     write([&](Tables& t) {
-        t.events.forgetBelow(100);
+        t.events.forgetBelow(100, 1000);
         EXPECT_EQ(t.events.add({0, job, "a", kNow, "job", "{}"}), 4);
         EXPECT_EQ(t.events.lastId(), 4);
     });

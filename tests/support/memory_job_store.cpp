@@ -216,9 +216,11 @@ struct Leases : LeaseTable {
         last = std::max(last, row.epoch);
     }
     void close(uint64_t epoch, LeaseState state) override { rows.at(epoch).state = state; }
-    void forgetClosedBefore(TimePoint granted) override {
-        std::erase_if(rows, [&](const auto& at) {
-            return at.second.state != LeaseState::open && at.second.granted < granted;
+    uint64_t forgetClosedBefore(TimePoint granted, size_t limit) override {
+        uint64_t forgotten = 0;
+        return std::erase_if(rows, [&](const auto& at) {
+            const bool spent = at.second.state != LeaseState::open && at.second.granted < granted;
+            return spent && forgotten++ < limit;
         });
     }
     std::vector<LeaseRow> lost() const override {
@@ -318,9 +320,11 @@ struct Passes : PassTable {
         }
         return found;
     }
-    std::vector<PassRow> leasedWithoutLease() const override {
-        return listIf(
+    std::vector<PassRow> leasedWithoutLease(size_t limit) const override {
+        auto found = listIf(
             [&](const PassRow& row) { return row.state == PassState::leased && !leases->isOpen(row.epoch); });
+        found.resize(std::min(found.size(), limit));
+        return found;
     }
     std::vector<PassRow> held() const override {
         return listIf([](const PassRow& row) { return row.held.has_value(); });
@@ -449,7 +453,10 @@ struct Events : EventTable {
         rows[last].id = last;
         return last;
     }
-    void forgetBelow(int64_t id) override { rows.erase(rows.begin(), rows.lower_bound(id)); }
+    uint64_t forgetBelow(int64_t id, size_t limit) override {
+        uint64_t forgotten = 0;
+        return std::erase_if(rows, [&](const auto& at) { return at.first < id && forgotten++ < limit; });
+    }
 };
 
 }  // namespace

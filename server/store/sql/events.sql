@@ -11,4 +11,4 @@ SELECT coalesce(max(seq), 0) AS id FROM sqlite_sequence WHERE name = 'events';
 INSERT INTO events (job, job_id, at, type, json) VALUES (:job, :job_id, :at, :type, :json);
 
 -- name: forgetBelow
-DELETE FROM events WHERE id < :id;
+DELETE FROM events WHERE id IN (SELECT id FROM events WHERE id < :id ORDER BY id LIMIT :limit);

@@ -15,7 +15,9 @@ VALUES (:epoch, :id, :worker, :job, :frame, :state, :granted, :passes, :session,
 UPDATE leases SET state = :state WHERE epoch = :epoch;
 
 -- name: forgetClosedBefore
-DELETE FROM leases WHERE state <> 'open' AND granted < :granted;
+DELETE FROM leases WHERE epoch IN (
+    SELECT epoch FROM leases INDEXED BY leases_closed
+     WHERE state <> 'open' AND granted < :granted ORDER BY granted LIMIT :limit);
 
 -- name: lost
 SELECT * FROM leases INDEXED BY leases_lost WHERE loss <> 'none' ORDER BY epoch;

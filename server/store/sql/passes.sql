@@ -14,7 +14,8 @@ SELECT coalesce(sum(state = 'queued'), 0) AS queued, coalesce(sum(state = 'lease
 -- name: leasedWithoutLease
 SELECT * FROM passes INDEXED BY passes_leased
  WHERE state = 'leased' AND NOT EXISTS (
-    SELECT 1 FROM leases WHERE leases.epoch = passes.epoch AND leases.state = 'open');
+    SELECT 1 FROM leases WHERE leases.epoch = passes.epoch AND leases.state = 'open')
+ LIMIT :limit;
 
 -- name: held
 SELECT * FROM passes INDEXED BY passes_held WHERE held_file IS NOT NULL;

@@ -163,10 +163,8 @@ protected:
                 EXPECT_EQ(t.frames.find(row.key, frame)->state, FrameState::finishing);
                 rows = t.frames.tiles(row.key, frame);
             });
-            for (const TileRow& tile : rows)
-                tiles.push_back(films.read(*info, frame, tile));
-            EXPECT_TRUE(sameBits(tiles, renderFrame(info->spec, frame)))
-                << id << " frame " << frame;
+            for (const TileRow& tile : rows) tiles.push_back(films.read(*info, frame, tile));
+            EXPECT_TRUE(sameBits(tiles, renderFrame(info->spec, frame))) << id << " frame " << frame;
         }
     }
 

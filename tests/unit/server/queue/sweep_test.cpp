@@ -74,6 +74,44 @@ TEST_F(SchedulerTest, SweepNamesAFrameThatIsStuck) {
     EXPECT_NE(std::find(found.begin(), found.end(), "active-frame-has-work"), found.end());
 }
 
+// Counts what each transaction of the scheduler does to the rows that a sweep forgets.
+struct WatchedStore : JobStore {
+    JobStore& inner;
+    size_t writes = 0, mostForgotten = 0;
+    explicit WatchedStore(JobStore& store) : inner(store) {}
+    static size_t rowsOf(const Tables& t) { return t.events.list(0, std::nullopt, SIZE_MAX).size(); }
+    void write(const std::function<void(Tables&)>& work) override {
+        inner.write([&](Tables& t) {
+            const size_t before = rowsOf(t);
+            work(t);
+            mostForgotten = std::max(mostForgotten, before - std::min(before, rowsOf(t)));
+        });
+        ++writes;
+    }
+    void read(const std::function<void(const ConstTables&)>& work) const override { inner.read(work); }
+};
+
+TEST_F(SchedulerTest, SweepHoldsNobodyUpToLookAtSoundJobs) {
+    for (int i = 0; i < 20; ++i) submit();
+    WatchedStore watched(store);
+    Scheduler over(watched, clock, config);
+    EXPECT_TRUE(over.sweep().empty());
+    EXPECT_LE(watched.writes, 3u) << "one for each kind of row that grows old, however many jobs there are";
+}
+
+TEST_F(SchedulerTest, SweepForgetsManyRowsAFewAtATime) {
+    configure({.eventsKept = 2});
+    const std::string id = submit();
+    store.write([&](Tables& t) {
+        for (int i = 0; i < 2000; ++i) t.events.add({0, job(id).key, id, clock.now(), "progress", "{}"});
+    });
+    WatchedStore watched(store);
+    Scheduler over(watched, clock, config);
+    over.sweep();
+    EXPECT_LE(watched.mostForgotten, 500u);
+    store.read([&](const ConstTables& t) { EXPECT_EQ(t.events.list(0, std::nullopt, 5000).size(), 3u); });
+}
+
 TEST_F(SchedulerTest, SweepForgetsOldEvents) {
     configure({.eventsKept = 2});
     for (int i = 0; i < 5; ++i) submit();

@@ -88,7 +88,7 @@ private:
         t.events.list(0, std::nullopt, 1);
         t.events.list(0, job_, 1);
         t.events.lastId();
-        t.events.forgetBelow(1);
+        t.events.forgetBelow(1, 10);
     }
     void callJobs(JobTable& jobs) {
         jobs.find("j1");
@@ -119,7 +119,7 @@ private:
         passes.lowestQueued(job_, 0, 0);
         passes.claim({.job = job_, .frame = 0, .epoch = 1, .level = {0, 1}, .limit = 2, .worker = "w"});
         passes.counts(job_, 0);
-        passes.leasedWithoutLease();
+        passes.leasedWithoutLease(10);
         passes.held();
         passes.heldOf(job_, 0, 1);
         passes.isHeld("file");
@@ -134,7 +134,7 @@ private:
         leases.open();
         leases.lastEpoch();
         leases.close(1, LeaseState::expired);
-        leases.forgetClosedBefore(kNow);
+        leases.forgetClosedBefore(kNow, 10);
         leases.addFailure({job_, 0, 0, 0, "w", "message", 1});
         leases.failures(job_, 0, 0, 0);
         leases.jobsOnlyThisWorkerFailed("w");

@@ -34,17 +34,19 @@ TEST(SqliteSchema, TakesOverADatabaseOfEveryOlderProgram) {
                 "INSERT INTO jobs (id, state, priority, spec, body_digest, created, passes, passes_merged, "
                 "pixel_samples, pixel_samples_merged, frames, frames_started, frames_done, samples_merged, "
                 "device_seconds, dropped_samples, faults) "
-                "VALUES ('a', 'running', 50, '{\"scene\":{\"entry\":\"a\",\"files\":{\"a\":\"1\",\"b\":\"2\"}}}', '', 0, 9, 3, 90, 30, 1, 1, 0, 0, 1.5, 0, 'one' || "
+                "VALUES ('a', 'running', 50, "
+                "'{\"scene\":{\"entry\":\"a\",\"files\":{\"a\":\"1\",\"b\":\"2\"}}}', '', 0, 9, 3, 90, 30, "
+                "1, 1, 0, 0, 1.5, 0, 'one' || "
                 "char(10))");
-            old.exec(
-                "INSERT INTO frames VALUES (1, 0, 'active', 1, 1, 9, 3, 4, 2, 0, NULL, 0, 0, 0, '', 0)");
+            old.exec("INSERT INTO frames VALUES (1, 0, 'active', 1, 1, 9, 3, 4, 2, 0, NULL, 0, 0, 0, '', 0)");
         }
         SqliteJobStore store(folder / "db");
         store.write([&](Tables& t) {
             JobRow job = t.jobs.find("a").value();
             EXPECT_EQ(job.passesMerged, 3u) << version;
             EXPECT_EQ(job.faults, std::vector<std::string>{"one"}) << version;
-            EXPECT_EQ(t.jobs.spec(job.key), R"({"scene":{"entry":"a","files":{"a":"1","b":"2"}}})") << version;
+            EXPECT_EQ(t.jobs.spec(job.key), R"({"scene":{"entry":"a","files":{"a":"1","b":"2"}}})")
+                << version;
             EXPECT_EQ(job.outlineJson, R"({"scene":{"entry":"a","files":{"a":"1"}}})") << version;
             EXPECT_EQ(t.jobs.totals().at(JobState::running), (JobTotals{1, 9, 3, 4, 2})) << version;
             job.passesMerged = 4;

@@ -35,7 +35,8 @@ PassPixel renderPixel(uint32_t x, uint32_t y, int32_t frame, const SampleRange& 
 // Two ids a layer: one that all samples of the first pass see, and one that all later ones do.
 void addExtra(PassFilm& film, uint32_t x, uint32_t y) {
     const FilmLayout& layout = film.layout;
-    for (uint32_t c = 0; c < layout.means(); ++c) film.extra.push_back(noise(x, y, film.samples.first, 30 + c));
+    for (uint32_t c = 0; c < layout.means(); ++c)
+        film.extra.push_back(noise(x, y, film.samples.first, 30 + c));
     for (uint32_t pair = 0; pair < layout.pairs(); ++pair) {
         const bool used = pair % kMatteRanks == 0;
         film.extra.push_back(!used ? 0 : film.samples.first == 0 ? 0.25f : 1e30f);
@@ -103,8 +104,7 @@ JobRow TestFarm::job(const std::string& id) const {
 
 std::shared_ptr<const JobInfo> TestFarm::info(const std::string& id) const {
     std::shared_ptr<const JobInfo> info;
-    store->read(
-        [&](const ConstTables& t) { info = scheduler->catalog().get(t, t.jobs.find(id).value()); });
+    store->read([&](const ConstTables& t) { info = scheduler->catalog().get(t, t.jobs.find(id).value()); });
     return info;
 }
 
