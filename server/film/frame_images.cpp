@@ -172,49 +172,67 @@ ImageFile FrameImages::exr(const std::string& jobId, int32_t number) {
     }
 }
 
+std::optional<ImageFile> FrameImages::keptExr(const std::string& name, const FrameRow& row) {
+    const std::scoped_lock lock(keeping_);
+    const auto at = partial_.find(name);
+    if (at == partial_.end() || !freshEnough(at->second.first, row)) return std::nullopt;
+    return at->second.second;
+}
+
 ImageFile FrameImages::partialExr(const Frame& frame) {
-    const std::scoped_lock lock(making_);
     const std::string name = frame.job.id + "-" + std::to_string(frame.row.frame) + ".exr";
-    if (const auto at = partial_.find(name);
-        at != partial_.end() && freshEnough(at->second.first, frame.row)) {
-        return at->second.second;
-    }
+    const KeyedLocks::Hold one(makers_, name);
+    if (const auto kept = keptExr(name, frame.row)) return *kept;
+    const FairGate::Pass pass(exrWriters_);
     const TimePoint begin = clock_.now();
     const fs::path path = folder_ / "cache" / name;
     write(path, frame);
     auto file = std::make_shared<File>(path, File::Mode::read);
     const ImageFile image{file, file->size(), sha256OfFile(path), true};
     fs::remove(path);  // lives on while somebody holds it open
+    const std::scoped_lock lock(keeping_);
     if (partial_.size() >= kPicturesKept) partial_.clear();
     partial_[name] = {{frame.row.revision, clock_.now(), clock_.now() - begin}, image};
     return image;
+}
+
+std::optional<Picture> FrameImages::keptPicture(const std::string& key, const FrameRow& row) {
+    const std::scoped_lock lock(keeping_);
+    const bool partial = row.state != FrameState::completed;
+    const auto at = pictures_.find(key);
+    if (at == pictures_.end() || at->second.second.partial != partial ||
+        (partial && !freshEnough(at->second.first, row)))
+        return std::nullopt;
+    return at->second.second;
 }
 
 Picture FrameImages::png(const std::string& jobId, int32_t number, const ToneMapping& mapping, uint32_t width,
                          bool denoised) {
     const Frame frame = find(jobId, number);
     requireDenoised(denoised, frame.info->spec, frame.row);
-    const std::scoped_lock lock(making_);
     const std::string key = jobId + "/" + std::to_string(number) + "/" + std::to_string(mapping.exposure) +
                             "/" + std::string(toString(mapping.curve)) + "/" + std::to_string(width) +
                             (denoised ? "/denoised" : "");
-    const bool partial = frame.row.state != FrameState::completed;
-    if (const auto at = pictures_.find(key); at != pictures_.end() && at->second.second.partial == partial &&
-                                             (!partial || freshEnough(at->second.first, frame.row))) {
-        return at->second.second;
-    }
+    const KeyedLocks::Hold one(makers_, key);
+    if (const auto kept = keptPicture(key, frame.row)) return *kept;
+    const FairGate::Pass pass(painters_);
     const TimePoint begin = clock_.now();
-    Picture picture;
-    try {
-        picture = makePng(frame, mapping, width, denoised);
-    } catch (const Error&) {
-        const Frame again = find(jobId, number);
-        if (!partial || again.row.state != FrameState::completed) throw;
-        picture = makePng(again, mapping, width, denoised);
-    }
+    const Picture picture = paint(frame, mapping, width, denoised);
+    const std::scoped_lock lock(keeping_);
     if (pictures_.size() >= kPicturesKept) pictures_.clear();
     pictures_[key] = {{frame.row.revision, clock_.now(), clock_.now() - begin}, picture};
     return picture;
+}
+
+// Of a frame that may be completed, and its film removed, while it is read.
+Picture FrameImages::paint(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised) {
+    try {
+        return makePng(frame, mapping, width, denoised);
+    } catch (const Error&) {
+        const Frame again = find(frame.job.id, frame.row.frame);
+        if (frame.row.state == FrameState::completed || again.row.state != FrameState::completed) throw;
+        return makePng(again, mapping, width, denoised);
+    }
 }
 
 Picture FrameImages::makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised) {

@@ -4,10 +4,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "server/film/fair_gate.h"
 #include "server/film/film_store.h"
+#include "server/film/keyed_locks.h"
 #include "server/queue/scheduler.h"
 #include "server/store/blob_store.h"
 #include "shared/image/exr.h"
@@ -32,9 +35,9 @@ struct Picture {
     bool partial = false;
 };
 
-/// Images of frames, finished or as far as they are merged. One is made at a time, a row of tiles in
-/// memory. A picture of a frame in work may be a little older than its film: making it again is
-/// bounded to a few per cent of one core.
+/// Images of frames, finished or as far as they are merged. One EXR and a few pictures are made at a time, a
+/// row of tiles in memory for each; what was asked for twice is made once. A picture of a frame in work may
+/// be a little older than its film: making it again is bounded to a few per cent of one core.
 class FrameImages {
 public:
     /// `blobs`: where the scenes' files are, for the names in their mattes.
@@ -79,7 +82,10 @@ private:
     ImageFile finalExr(const Frame& frame) const;
     ImageFile partialExr(const Frame& frame);
     Picture makePng(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised);
+    Picture paint(const Frame& frame, const ToneMapping& mapping, uint32_t width, bool denoised);
     bool freshEnough(const Made& made, const FrameRow& row) const;
+    std::optional<ImageFile> keptExr(const std::string& name, const FrameRow& row);
+    std::optional<Picture> keptPicture(const std::string& key, const FrameRow& row);
     void finish(const Frame& frame);
     void writeFinal(const Frame& frame, const std::filesystem::path& path);
 
@@ -90,9 +96,12 @@ private:
     const Clock& clock_;
     std::filesystem::path folder_;
 
-    std::mutex making_;  // guards what follows, and memory: one image at a time
-    std::mutex naming_;  // guards the next line
+    KeyedLocks makers_;  // of each image, one
+    // Both bound memory. A large EXR takes a minute, for which pictures do not wait.
+    FairGate exrWriters_{1}, painters_{2};
+    std::mutex naming_;                                 // guards the next line
     std::pair<std::string, MatteMetadata> lastMattes_;  // by the job's id
+    std::mutex keeping_;                                // guards what follows
     std::map<std::string, std::pair<Made, ImageFile>> partial_;
     std::map<std::string, std::pair<Made, Picture>> pictures_;
 };

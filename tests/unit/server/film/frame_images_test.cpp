@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <future>
 
 #include "shared/digest/digest.h"
 #include "shared/image/exr.h"
@@ -120,6 +121,24 @@ TEST(FrameImages, ShowsAFrameInWorkAsFarAsItIsMerged) {
     EXPECT_EQ(readExr(bytesOf(second), "partial").plane("samples.X")[0], 2.0f);
     EXPECT_NE(first.sha256, second.sha256);
     EXPECT_EQ(bytesOf(first).size(), first.bytes);  // still readable for who holds it
+}
+
+// An EXR of a large frame takes a minute to write; here it waits for one of its tiles.
+TEST(FrameImages, PaintsOnePictureWhileAnExrIsBeingWritten) {
+    TestFarm farm(oneFrameLeases());
+    const std::string large = farm.scheduler->submit(smallJob()).job.id;
+    farm.deliver(farm.lease());
+    auto tile = std::make_unique<TileLocks::Hold>(farm.films->locks(), farm.job(large).key, 0,
+                                                  std::vector<uint32_t>{5});
+    auto exr = std::async(std::launch::async, [&] { return farm.images->exr(large, 0).partial; });
+    farm.scheduler->pause(large);
+    const std::string small = farm.scheduler->submit(smallJob()).job.id;
+    farm.deliver(farm.lease());
+    auto png = std::async(std::launch::async, [&] { return farm.images->png(small, 0, {}, 0).partial; });
+    EXPECT_EQ(png.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+    tile.reset();
+    EXPECT_TRUE(exr.get());
+    EXPECT_TRUE(png.get());
 }
 
 TEST(FrameImages, FinishesAFrameAfterACrashInBetween) {
