@@ -84,6 +84,7 @@ ServerConfig parseCommandLine(int argc, char** argv) {
     config.queue.leaseTime = Milliseconds(static_cast<int64_t>(leaseSeconds * 1000));
     config.api.leastFreeBytes = floorMiB << 20;
     config.api.folder = config.data;
+    config.api.uploads = config.data / "cache";
     return config;
 }
 

@@ -23,7 +23,8 @@ void requireBlobs(const Services& s, const JobSpec& spec) {
     std::vector<Fault> faults;
     for (const auto& [path, sha256] : spec.scene.files) {
         if (!s.blobs.size(sha256)) {
-            faults.push_back({"/scene/files/" + pointerToken(path), "blob " + sha256 + " is not on the server"});
+            faults.push_back(
+                {"/scene/files/" + pointerToken(path), "blob " + sha256 + " is not on the server"});
         }
     }
     if (faults.empty()) return;

@@ -60,26 +60,22 @@ uint64_t largestUpload(const ResultTarget& target) {
     const uint64_t floats = filmLayoutOf(target.job->spec).floats();
     for (const LeasedPass& pass : target.lease.passes) {
         bytes += target.job->grid.rect(pass.tile).area() * (sizeof(PassPixel) + floats * sizeof(float)) +
-                 kPartOverhead + 64 * floats +
-                 uint64_t{32} * target.job->grid.rect(pass.tile).height;
+                 kPartOverhead + 64 * floats + uint64_t{32} * target.job->grid.rect(pass.tile).height;
     }
     return bytes;
 }
 
-std::vector<PassFilm> receiveFilms(HttpRequest& r, const ResultTarget& target) {
+void receive(HttpRequest& r, const ResultTarget& target, UploadBody& body) {
     const std::string wanted = digestOf(r);
-    std::vector<std::byte> bytes;
-    bytes.reserve(std::min(r.contentLength.value_or(0), largestUpload(target)));
     Sha256 digest;
     r.readBody(largestUpload(target), [&](std::span<const std::byte> piece) {
         digest.update(piece);
-        bytes.insert(bytes.end(), piece.begin(), piece.end());
+        body.add(piece);
     });
     if (const std::string actual = digest.finishHex(); actual != wanted) {
         throw Error(ErrorCode::unprocessable,
                     "the body has the SHA-256 " + actual + ", but was announced as " + wanted);
     }
-    return decodePassFilms(bytes);
 }
 
 void countFaults(Metrics& metrics, const std::vector<PassFilm>& films) {
@@ -140,12 +136,10 @@ HttpResponse putResult(Services& s, HttpRequest& r) {
     const double seconds = r.queriedNumber("deviceSeconds", 0, 1e9, 0);
     const auto target = s.scheduler.resultTarget(r.parameter("lease"), epoch);
     s.requireDiskSpace(r.contentLength.value_or(0));
-    s.uploads.acquire();
-    struct Release {
-        Services& s;
-        ~Release() { s.uploads.release(); }
-    } const release{s};
-    const auto films = receiveFilms(r, target);
+    UploadBody body(s.uploadMemory, s.config.uploads, r.contentLength);
+    receive(r, target, body);
+    const FairGate::Pass pass(s.decoders);
+    const auto films = decodePassFilms(body.take());
     const ResultReceipt receipt = s.merger.accept(target, films, seconds);
     s.metrics.result(receipt, r.contentLength.value_or(0));
     countFaults(s.metrics, films);

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <semaphore>
 
 #include "server/api/event_bus.h"
+#include "server/api/upload_body.h"
+#include "server/film/fair_gate.h"
 #include "server/film/frame_images.h"
 #include "server/film/result_merger.h"
 #include "server/queue/scheduler.h"
@@ -13,8 +14,9 @@
 namespace tilefarm {
 
 struct ApiConfig {
-    std::filesystem::path folder;          // whose disk is watched
-    std::string token;                     // empty: none asked for
+    std::filesystem::path folder;                                            // whose disk is watched
+    std::filesystem::path uploads = std::filesystem::temp_directory_path();  // where large ones arrive
+    std::string token;                                                       // empty: none asked for
     uint64_t leastFreeBytes = 1ull << 30;  // below, uploads and jobs get 507
     uint64_t mostBlobBytes = 16ull << 30;
     uint64_t mostJsonBytes = 16ull << 20;
@@ -31,8 +33,10 @@ struct Services {
     FrameImages& images;
     EventBus& events;
     Metrics& metrics;
-    /// Results in memory at a time: each is up to 64 MB as sent and again as decoded.
-    std::counting_semaphore<8> uploads{4};
+    MemoryBudget uploadMemory{32u << 20};
+    /// Results that are decoded and merged at a time: each is up to 64 MB as sent and again as decoded. One
+    /// that still arrives is not among them.
+    FairGate decoders{4};
 
     /// Throws Error(outOfSpace) when the disk has less than the floor and `bytes` left.
     void requireDiskSpace(uint64_t bytes) const;

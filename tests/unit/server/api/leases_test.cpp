@@ -1,4 +1,5 @@
 #include "tests/unit/server/api/api_fixture.h"
+#include "tests/unit/server/api/raw_connection.h"
 
 namespace tilefarm {
 namespace {
@@ -129,6 +130,65 @@ TEST_F(ApiTest, RefusesResultsThatAreDamaged) {
     const std::string huge(4 << 20, 'x');
     EXPECT_EQ(put(path, huge, {{"Content-Digest", contentDigest(huge)}}), 413);
     EXPECT_EQ(upload(lease)->status, 200);
+}
+
+TEST_F(ApiTest, MergesAResultWhileOthersArriveOverLinesThatStall) {
+    submit();
+    const Lease lease = leaseFromJson(parsed(askForWork()));
+    const std::string body = encoded(lease);
+    const std::string head = "PUT /v1/leases/" + lease.id + "/result?epoch=" + std::to_string(lease.epoch) +
+                             " HTTP/1.1\r\nHost: x\r\nContent-Digest: " + contentDigest(body) +
+                             "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n";
+    std::vector<RawConnection> stalled;
+    for (int i = 0; i < 8; ++i) {
+        stalled.emplace_back(server.port());
+        stalled.back().send(head + body.substr(0, body.size() / 2));
+    }
+    client.set_read_timeout(20);
+    const auto receipt = upload(lease);
+    ASSERT_TRUE(receipt) << "it waits for those that stall";
+    EXPECT_EQ(receipt->status, 200);
+    stalled[0].send(body.substr(body.size() / 2));
+    EXPECT_NE(stalled[0].receive("alreadyMerged").find("\"alreadyMerged\":24"), std::string::npos);
+}
+
+TEST(UploadBody, GoesToAFileWhereMemoryIsSpent) {
+    const TemporaryFolder folder;
+    MemoryBudget budget(100);
+    const std::string text(80, 'x');
+    const auto bytes = std::as_bytes(std::span(text));
+    std::optional<UploadBody> first(std::in_place, budget, folder.path(), 80);
+    UploadBody second(budget, folder.path(), 80), open(budget, folder.path(), std::nullopt);
+    EXPECT_TRUE(first->inMemory());
+    for (UploadBody* body : {&*first, &second, &open}) {
+        body->add(bytes.subspan(0, 30));
+        body->add(bytes.subspan(30));
+        EXPECT_EQ(body->take(), std::vector(bytes.begin(), bytes.end()));
+    }
+    EXPECT_FALSE(second.inMemory());
+    EXPECT_FALSE(open.inMemory()) << "of a length that was not announced";
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "nothing is left, whatever ends this process";
+    first.reset();
+    EXPECT_TRUE(UploadBody(budget, folder.path(), 80).inMemory());
+}
+
+TEST(FairGate, LetsThemInInTheOrderInWhichTheyCame) {
+    FairGate gate(1);
+    std::vector<int> order;
+    std::vector<std::thread> threads;
+    {
+        const FairGate::Pass inside(gate);
+        for (int i = 0; i < 5; ++i) {
+            threads.emplace_back([&, i] {
+                const FairGate::Pass pass(gate);
+                order.push_back(i);
+            });
+            while (gate.waiting() != static_cast<size_t>(i) + 1) std::this_thread::yield();
+        }
+        EXPECT_TRUE(order.empty());
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(order, (std::vector{0, 1, 2, 3, 4}));
 }
 
 TEST_F(ApiTest, GivesEachLeaseCallItsAnswer) {
