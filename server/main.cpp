@@ -2,6 +2,7 @@
 #include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <cstdio>
@@ -35,6 +36,14 @@ public:
 private:
     sigset_t set_{};
 };
+
+// A connection is a file; shells allow 1,024.
+void allowManyFiles() {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 void reportSweep(Scheduler& scheduler) {
     for (const Violation& v : scheduler.sweep()) {
@@ -95,6 +104,7 @@ int main(int argc, char** argv) {
         const tilefarm::StopSignal stop;
         const auto config = tilefarm::parseCommandLine(argc, argv);
         spdlog::set_default_logger(spdlog::stderr_color_mt("server"));
+        tilefarm::allowManyFiles();
         spdlog::set_level(config.verbose ? spdlog::level::debug : spdlog::level::info);
         tilefarm::serve(config, stop);
         return 0;

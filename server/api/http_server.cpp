@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "server/api/connection_threads.h"
+#include "server/api/guarded_server.h"
 #include "server/api/problem.h"
 #include "server/api/routes.h"
 #include "server/api/services.h"
@@ -15,13 +16,13 @@
 namespace tilefarm {
 namespace {
 
-constexpr size_t kMostConnections = 1024;
-constexpr uint64_t kMostDiscarded = 256ull << 20;
+constexpr uint64_t kMostDiscarded = 64u << 10;  // a connection with more unread is ended
 constexpr size_t kPieceBytes = 256 << 10;
 constexpr size_t kMostPathBytes = 1024;  // several times the longest route with its parameters
 
 struct Threads : httplib::TaskQueue {
-    ConnectionThreads threads{kMostConnections};
+    ConnectionThreads threads;
+    explicit Threads(size_t most) : threads(most) {}
     void enqueue(std::function<void()> task) override { threads.run(std::move(task)); }
     void shutdown() override { threads.stop(); }
 };
@@ -37,12 +38,12 @@ std::optional<uint64_t> contentLength(const httplib::Request& request) {
     return std::stoull(text);
 }
 
-// Hands the body on exactly once. A consumer that throws is not called again, and the rest is read and
-// dropped (up to a limit): bytes left on the connection would be taken for the next request.
+// Hands the body on exactly once. A consumer that throws is not called again, and a short rest is read and
+// dropped: bytes left on the connection would be taken for the next request. After a long one it has to end.
 class BodyReader {
 public:
     BodyReader(const httplib::Request& request, const httplib::ContentReader* reader)
-        : reader_(hasBody(request) ? reader : nullptr) {}
+        : reader_(hasBody(request) ? reader : nullptr), bytes_(contentLength(request)) {}
 
     void read(const HttpRequest::Consumer& consumer) {
         if (reader_ == nullptr) return;
@@ -58,10 +59,17 @@ public:
             }
             return true;
         });
+        leftUnread_ = !whole;
         if (fault) std::rethrow_exception(fault);
         if (!whole) throw Error(ErrorCode::invalidArgument, "the body ended before its length was reached");
     }
+    /// Whether bytes are left that nobody wants.
+    bool leftUnread() const { return leftUnread_; }
     void discard() {
+        if (reader_ != nullptr && bytes_.value_or(0) > kMostDiscarded) {
+            leftUnread_ = true;
+            return;
+        }
         try {
             read([](std::span<const std::byte>) { throw Error(ErrorCode::internal, "not wanted"); });
         } catch (const Error&) {
@@ -70,6 +78,8 @@ public:
 
 private:
     const httplib::ContentReader* reader_;
+    std::optional<uint64_t> bytes_;
+    bool leftUnread_ = false;
 };
 
 void sendContent(httplib::Response& out, const std::string& type, HttpResponse::Content content) {
@@ -147,6 +157,7 @@ void answer(Services& services, const httplib::Request& in, httplib::Response& o
     request.stream = [&body](const HttpRequest::Consumer& consumer) { body.read(consumer); };
     auto response = pathBytes(in) > kMostPathBytes ? pathTooLong() : dispatch(services, request);
     body.discard();
+    if (body.leftUnread()) response.headers.emplace("Connection", "close");
     send(std::move(response), out);
 }
 
@@ -159,19 +170,21 @@ void socketOptions(socket_t socket) {
 }  // namespace
 
 struct HttpServer::Impl {
-    httplib::Server server;
+    GuardedServer server;
     std::thread listener;
+    Impl(const Services& services, const HttpConfig& config)
+        : server(services, config.limits, std::chrono::seconds(config.keepAliveSeconds)) {}
 };
 
-HttpServer::HttpServer(Services& services, const HttpConfig& config) : impl_(std::make_unique<Impl>()) {
+HttpServer::HttpServer(Services& services, const HttpConfig& config)
+    : impl_(std::make_unique<Impl>(services, config)) {
     auto& server = impl_->server;
-    server.new_task_queue = [] { return new Threads; };
+    const size_t threads = config.limits.connections + config.limits.reserved;
+    server.new_task_queue = [threads] { return new Threads(threads); };
     server.set_tcp_nodelay(true);
     server.set_socket_options(socketOptions);
     server.set_keep_alive_max_count(1 << 30);
     server.set_keep_alive_timeout(config.keepAliveSeconds);
-    server.set_read_timeout(60);
-    server.set_write_timeout(60);
 
     server.set_pre_routing_handler(beforeRouting);
     const auto plain = [&services](const httplib::Request& in, httplib::Response& out) {
@@ -198,6 +211,7 @@ HttpServer::HttpServer(Services& services, const HttpConfig& config) : impl_(std
                                                 std::to_string(config.port) +
                                                 ": the port is taken, or the address is not of this machine");
     }
+    server.lengthenBacklog();
     impl_->listener = std::thread([this] { impl_->server.listen_after_bind(); });
     while (!server.is_running()) std::this_thread::yield();
 }

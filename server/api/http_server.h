@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "server/api/http_limits.h"
+
 namespace tilefarm {
 
 struct Services;
@@ -11,6 +13,7 @@ struct HttpConfig {
     std::string host = "127.0.0.1";
     int port = 0;              // 0: any free one
     int keepAliveSeconds = 1;  // an idle connection holds a thread, and a server that stops waits for it
+    HttpLimits limits{};
 };
 
 /// Serves the routes table over HTTP/1.1. Binds in the constructor; throws Error(unavailable) that

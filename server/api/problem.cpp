@@ -12,6 +12,7 @@ std::string_view titleOf(int status) {
         case 403: return "Not allowed";
         case 404: return "Not found";
         case 405: return "Method not allowed";
+        case 408: return "Too slow";
         case 409: return "Conflict with the current state";
         case 410: return "No longer wanted";
         case 413: return "Too large";
@@ -20,6 +21,7 @@ std::string_view titleOf(int status) {
         case 422: return "Cannot be processed";
         case 426: return "Version mismatch";
         case 429: return "Too many requests";
+        case 431: return "Head too large";
         case 503: return "Try again later";
         case 507: return "Disk space low";
         default: return status < 500 ? "Refused" : "Internal error";
@@ -28,7 +30,7 @@ std::string_view titleOf(int status) {
 
 // Whether the same request may succeed later without anything changed by the client.
 bool retryable(int status) {
-    return status == 429 || status == 503 || status == 507 || status == 500;
+    return status == 408 || status == 429 || status == 503 || status == 507 || status == 500;
 }
 
 HttpResponse problem(int status, const std::string& detail, const std::vector<Fault>& faults) {

@@ -3,6 +3,7 @@
 #include <openssl/crypto.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -71,13 +72,21 @@ bool matches(std::string_view pattern, std::string_view path,
     return true;
 }
 
-void requireToken(const Services& services, const HttpRequest& request) {
+bool isRight(const Services& services, std::string_view authorization) {
     const std::string& token = services.config.token;
-    if (token.empty()) return;
-    const std::string given = request.header("Authorization"), wanted = "Bearer " + token;
-    const bool right =
-        given.size() == wanted.size() && CRYPTO_memcmp(given.data(), wanted.data(), wanted.size()) == 0;
-    if (!right) throw Error(ErrorCode::unauthorized, "the bearer token is missing or wrong");
+    if (token.empty()) return true;
+    const std::string wanted = "Bearer " + token;
+    return authorization.size() == wanted.size() &&
+           CRYPTO_memcmp(authorization.data(), wanted.data(), wanted.size()) == 0;
+}
+
+const Error& wrongToken() {
+    static const Error error(ErrorCode::unauthorized, "the bearer token is missing or wrong");
+    return error;
+}
+
+void requireToken(const Services& services, const HttpRequest& request) {
+    if (!isRight(services, request.header("Authorization"))) throw Error(wrongToken());
 }
 
 HttpResponse route(Services& services, HttpRequest& request) {
@@ -102,6 +111,14 @@ HttpResponse route(Services& services, HttpRequest& request) {
 }
 
 }  // namespace
+
+std::optional<HttpResponse> refusedWithoutToken(const Services& services, std::string_view path,
+                                                std::string_view authorization) {
+    const auto isOpen = [&](const Route& route) { return route.open && route.pattern == path; };
+    if (isRight(services, authorization) || std::any_of(kRoutes.begin(), kRoutes.end(), isOpen))
+        return std::nullopt;
+    return problemResponse(wrongToken());
+}
 
 std::span<const Route> routes() {
     return kRoutes;

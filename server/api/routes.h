@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -19,6 +20,11 @@ struct Route {
 };
 
 std::span<const Route> routes();
+
+/// The answer to whoever has no right token, and asks for more than is open to all; nothing for others.
+/// `path` as it was sent.
+std::optional<HttpResponse> refusedWithoutToken(const Services& services, std::string_view path,
+                                                std::string_view authorization);
 
 /// Finds the route and runs it; every fault becomes a problem. Nothing is thrown.
 HttpResponse dispatch(Services& services, HttpRequest& request);
