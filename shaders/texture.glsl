@@ -15,10 +15,9 @@ int wrapCoordinate(int i, int n, uint mode) {
     return i < n ? i : period - 1 - i;
 }
 
-vec4 texelOf(TextureRecord t, ivec2 at) {
-    at.x = wrapCoordinate(at.x, int(t.width), (t.flags >> TEXTURE_WRAP_S_SHIFT) & 3u);
-    at.y = wrapCoordinate(at.y, int(t.height), (t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u);
-    int index = int(t.firstTexel) + at.y * int(t.width) + at.x;
+// Of a column and a row of the image.
+vec4 texelOf(TextureRecord t, int x, int y) {
+    int index = int(t.firstTexel) + y * int(t.width) + x;
     if (has(FEATURE_FLOAT_TEXTURES) && (t.flags & TEXTURE_FLOAT) != 0u) return texelFetch(texels32, index);
     vec4 texel = texelFetch(texels8, index);
     // Decoded before filtering: blending encoded values darkens edges.
@@ -34,15 +33,19 @@ vec4 sampleTexture(uint index, vec2 uv0, vec2 uv1) {
     // Far outside the unit square the integer texel would overflow; wrapping has the period 2.
     uv -= 2.0 * floor(0.5 * clamp(uv, vec2(-1e9), vec2(1e9))) * vec2(notEqual(uvec2(t.flags >> TEXTURE_WRAP_S_SHIFT, t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u, uvec2(2u)));
     vec2 at = clamp(uv, vec2(-1e4), vec2(1e4)) * vec2(t.width, t.height);
-    if (has(FEATURE_NEAREST_FILTER) && (t.flags & TEXTURE_LINEAR_FILTER) == 0u)
-        return texelOf(t, ivec2(floor(at)));
-    at -= 0.5;
+    bool nearest = has(FEATURE_NEAREST_FILTER) && (t.flags & TEXTURE_LINEAR_FILTER) == 0u;
+    if (!nearest) at -= 0.5;
     vec2 cell = floor(at);
     vec2 f = at - cell;
     ivec2 c = ivec2(cell);
-    vec4 top = mix(texelOf(t, c), texelOf(t, c + ivec2(1, 0)), f.x);
-    vec4 bottom = mix(texelOf(t, c + ivec2(0, 1)), texelOf(t, c + ivec2(1, 1)), f.x);
-    return mix(top, bottom, f.y);
+    uint wrapS = (t.flags >> TEXTURE_WRAP_S_SHIFT) & 3u, wrapT = (t.flags >> TEXTURE_WRAP_T_SHIFT) & 3u;
+    int left = wrapCoordinate(c.x, int(t.width), wrapS), top = wrapCoordinate(c.y, int(t.height), wrapT);
+    vec4 first = texelOf(t, left, top);
+    if (nearest) return first;
+    int right = wrapCoordinate(c.x + 1, int(t.width), wrapS), bottom = wrapCoordinate(c.y + 1, int(t.height), wrapT);
+    vec4 upper = mix(first, texelOf(t, right, top), f.x);
+    vec4 lower = mix(texelOf(t, left, bottom), texelOf(t, right, bottom), f.x);
+    return mix(upper, lower, f.y);
 }
 
 #endif

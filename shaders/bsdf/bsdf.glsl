@@ -81,8 +81,9 @@ float throughAt(Bsdf b, vec3 w, vec2 albedos) {
     float through = couplingAt(b.compensation.coupling, albedos);
     // These curves have no table: at grazing angles they may reflect more than the bound that the tables give.
     if (hasFilm(b.face) || isSteep(b.face)) {
-        float most = maxComponent(outerReflectance(b.face, abs(w.z)));
-        if (isSteep(b.face)) most = max(most, maxComponent(outerReflectance(b.face, 1.0)));
+        float most = 0.0;
+        uint angles = isSteep(b.face) ? 2u : 1u;
+        for (uint i = 0u; i < angles; ++i) most = max(most, maxComponent(outerReflectance(b.face, i == 0u ? abs(w.z) : 1.0)));
         through = min(through, 1.0 - mix(b.compensation.again, most, albedos.y));
     }
     return clamp(through, 0.0, 1.0);
@@ -91,7 +92,8 @@ float throughAt(Bsdf b, vec3 w, vec2 albedos) {
 // What the facets give, judged by a smooth surface. A black metal, one of black specular colour or under a film may
 // reflect nothing there and yet do so off tilted facets.
 float facetWeight(Interface f, float cosTheta) {
-    float weight = max(luminance(reflectance(f, cosTheta)) + transmittance(f, cosTheta), 0.04 * f.metallic);
+    FacetShares shares = facetShares(f, cosTheta);
+    float weight = max(luminance(shares.reflected) + shares.passes, 0.04 * f.metallic);
     if (has(FEATURE_SPECULAR_COLOR) && f.tinted) weight = max(weight, 0.04 * f.specular);
     if (hasFilm(f)) weight = max(weight, 0.04 * f.film);
     return weight;
@@ -193,25 +195,32 @@ Bsdf bsdfAt(MaterialPoint m, vec3 wo, bool frontFace) {
 
 vec3 mirrored(vec3 w) { return vec3(w.xy, -w.z); }
 
-// Rough reflection and transmission; adds to pdf what the facets' lobe has there.
+// Rough reflection and transmission; adds to pdf what the facets' lobe has there. Thin-walled transmission is the mirror
+// image of reflection.
 vec3 facetsEval(Bsdf b, vec3 wo, vec3 wi, inout float pdf) {
+    if (!(wi.z > 0.0) && !transmits(b.face)) return vec3(0);
+    bool passes = has(FEATURE_TRANSMISSION) && !(wi.z > 0.0);
+    bool refracts = passes && !b.face.thin;
+    Refraction r;
+    vec3 h;
     float cosTheta;
-    if (wi.z > 0.0) {
-        vec3 h = reflectionHalfVector(wo, wi, cosTheta);
-        pdf += b.facetChance * reflectChance(b.face, cosTheta) * reflectionPdf(b.facets, h, wo, wi);
-        return reflectance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, wi);
+    if (refracts) {
+        r = refractionAt(wo, wi, b.face.ior, b.face.inside);
+        if (!r.possible) return vec3(0);
+        h = r.h;
+        cosTheta = r.cosO;
+    } else {
+        if (passes) wi = mirrored(wi);
+        h = reflectionHalfVector(wo, wi, cosTheta);
     }
-    if (!transmits(b.face)) return vec3(0);
-    if (b.face.thin) {
-        vec3 h = reflectionHalfVector(wo, mirrored(wi), cosTheta);
-        pdf += b.facetChance * (1.0 - reflectChance(b.face, cosTheta)) * reflectionPdf(b.facets, h, wo, mirrored(wi));
-        return b.face.baseColor * (transmittance(b.face, cosTheta) * reflectionEval(b.facets, h, wo, mirrored(wi)));
-    }
-    Refraction r = refractionAt(wo, wi, b.face.ior, b.face.inside);
-    if (!r.possible) return vec3(0);
-    float passes = transmittance(b.face, r.cosO, -r.cosI);
-    pdf += b.facetChance * (1.0 - reflectChance(b.face, r.cosO, passes)) * transmissionPdf(b.facets, r, wo);
-    return b.face.baseColor * (passes * transmissionEval(b.facets, r, wo, wi, b.face.eta));
+    FacetShares shares = facetShares(b.face, cosTheta);
+    if (refracts && b.face.eta < 1.0) shares.passes = transmittanceOutwards(b.face, -r.cosI);
+    float chance = reflectChance(b.face, shares);
+    float d = facetD(b.facets, h), visibility = facetVisibility(b.facets, wo, wi);
+    float value = refracts ? transmissionEval(r, d, visibility, wi, b.face.eta) : reflectionEval(d, visibility, wo, wi);
+    float density = refracts ? transmissionPdf(b.facets, r, wo) : reflectionPdf(b.facets, h, wo, wi);
+    pdf += b.facetChance * (passes ? 1.0 - chance : chance) * density;
+    return passes ? b.face.baseColor * (shares.passes * value) : shares.reflected * value;
 }
 
 // The lobes that cosine lobes sample, on either side; `diffuse`: what the diffuse base has in it.
@@ -291,14 +300,15 @@ bool sampleFacets(Bsdf b, vec3 wo, float pick, vec2 u, inout BsdfSample s) {
     // Distributions that do not know wo also give facets that it does not see.
     s.blocked = cosTheta <= 0.0;
     if (!(cosTheta > 0.0)) return false;
-    float chance = reflectChance(b.face, cosTheta);
+    FacetShares shares = facetShares(b.face, cosTheta);
+    float chance = reflectChance(b.face, shares);
     // The chances' rounding must not choose what cannot be.
     bool reflects = chance > 0.0 && pick < chance * b.facetChance || chance >= 1.0;
     bool passes = sampleFacet(b, wo, h, reflects, s.wi);
     s.blocked = !passes && isDirection(s.wi);
     if (!passes) return false;
     if (!b.mirror) return true;
-    vec3 colour = reflects ? reflectance(b.face, cosTheta) : b.face.baseColor * transmittance(b.face, cosTheta);
+    vec3 colour = reflects ? shares.reflected : b.face.baseColor * shares.passes;
     if (!reflects && !b.face.thin) colour /= b.face.eta * b.face.eta;
     if (hasLayers()) colour *= b.below;
     return deltaSample(colour / (b.facetChance * (reflects ? chance : 1.0 - chance)), s);
@@ -311,7 +321,7 @@ vec3 straightThrough(MaterialPoint m, vec3 wo, bool frontFace) {
     b.face = interfaceAt(m, frontFace);
     if (!b.face.thin || !(wo.z > 0.0) || !isMirror(facetsAt(m), b.face)) return vec3(0);
     setLayers(b, m, wo);
-    return b.face.baseColor * (b.below * transmittance(b.face, wo.z));
+    return b.face.baseColor * (b.below * facetShares(b.face, wo.z).passes);
 }
 
 // A sample that went this way.

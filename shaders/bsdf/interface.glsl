@@ -138,39 +138,41 @@ vec2 dielectricScale(Interface f) {
     return scale;
 }
 
-// Reflectance of a microfacet.
-vec3 reflectance(Interface f, float cosTheta) {
+// Share that passes a microfacet whose dielectric reflects so much; to be tinted by the base colour.
+float transmittance(Interface f, vec3 dielectric) {
+    return has(FEATURE_TRANSMISSION) ? (1.0 - f.metallic) * f.transmission * (1.0 - maxComponent(dielectric)) : 0.0;
+}
+
+// What a microfacet makes of light. Both shares come from one evaluation, which callers keep: drivers copy a function to
+// each of its calls, and these curves are most of a kernel's code.
+struct FacetShares {
+    vec3 reflected;
+    float passes;  // to be tinted by the base colour
+};
+
+FacetShares facetShares(Interface f, float cosTheta) {
     vec3 dielectric = dielectricReflectance(f, cosTheta, f.eta);
+    float passes = transmittance(f, dielectric);
     // From inside a solid that transmits in part, only that part reflects totally.
     if (has(FEATURE_TRANSMISSION) && f.eta < 1.0 && f.transmission < 1.0)
         dielectric = mix(dielectricReflectance(f, cosTheta, 1.0 / f.eta), dielectric, f.transmission);
-    return mix(dielectric, metalReflectance(f, cosTheta), f.metallic);
-}
-
-// Share that passes a microfacet, to be tinted by the base colour.
-float transmittance(Interface f, float cosTheta) {
-    if (!has(FEATURE_TRANSMISSION)) return 0.0;
-    return (1.0 - f.metallic) * f.transmission * (1.0 - maxComponent(dielectricReflectance(f, cosTheta, f.eta)));
+    return FacetShares(mix(dielectric, metalReflectance(f, cosTheta), f.metallic), passes);
 }
 
 bool transmits(Interface f) { return has(FEATURE_TRANSMISSION) && f.transmission > 0.0; }
 
-// The same by both cosines of a refracted pair: from the dense side, that beyond cannot be told from cosTheta to more
-// than a few digits near the critical angle, and light that goes back would meet other ones.
-float transmittance(Interface f, float cosTheta, float cosBeyond) {
-    float share = (1.0 - f.metallic) * f.transmission;
-    if (f.eta >= 1.0) return share * (1.0 - maxComponent(dielectricReflectance(f, cosTheta, f.eta)));
-    return share * (1.0 - maxComponent(dielectricReflectance(f, cosBeyond, f.inside ? f.ior : 1.0 / f.ior)));
+// What passes of light that is refracted from the dense side, by its cosine beyond: that cannot be told from the one on
+// the dense side to more than a few digits near the critical angle, and light that goes back would meet other ones.
+float transmittanceOutwards(Interface f, float cosBeyond) {
+    return transmittance(f, dielectricReflectance(f, cosBeyond, f.inside ? f.ior : 1.0 / f.ior));
 }
 
 // Probability of reflecting rather than transmitting at a microfacet.
-float reflectChance(Interface f, float cosTheta, float passes) {
-    float reflected = luminance(reflectance(f, cosTheta));
-    float transmitted = passes * max(maxComponent(f.baseColor), 1e-3);
+float reflectChance(Interface f, FacetShares shares) {
+    if (!has(FEATURE_TRANSMISSION)) return 1.0;
+    float reflected = luminance(shares.reflected);
+    float transmitted = shares.passes * max(maxComponent(f.baseColor), 1e-3);
     return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
-}
-float reflectChance(Interface f, float cosTheta) {
-    return has(FEATURE_TRANSMISSION) ? reflectChance(f, cosTheta, transmittance(f, cosTheta)) : 1.0;
 }
 
 // Cosine-weighted averages over directions outside, 2 ∫ F cosθ dcosθ.

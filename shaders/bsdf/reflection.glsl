@@ -11,9 +11,9 @@ vec3 reflectionHalfVector(vec3 wo, vec3 wi, out float cosTheta) {
     return sum / size;
 }
 
-// BSDF times cosine, 1/sr.
-float reflectionEval(Facets f, vec3 h, vec3 wo, vec3 wi) {
-    return sameHemisphere(wo, wi) ? facetD(f, h) * facetVisibility(f, wo, wi) * abs(wi.z) : 0.0;
+// BSDF times cosine, 1/sr, of the facets' density and visibility.
+float reflectionEval(float density, float visibility, vec3 wo, vec3 wi) {
+    return sameHemisphere(wo, wi) ? density * visibility * abs(wi.z) : 0.0;
 }
 
 // Solid-angle pdf of wi, 1/sr: facetPdf over 4 wo · h, without the cosines.

@@ -27,10 +27,10 @@ Refraction refractionAt(vec3 wo, vec3 wi, float ior, bool inside) {
     return r;
 }
 
-// BSDF times cosine, 1/sr.
-float transmissionEval(Facets f, Refraction r, vec3 wo, vec3 wi, float eta) {
-    float cosine = 4.0 * r.cosO * facetVisibility(f, wo, wi) * abs(wi.z);
-    return facetD(f, r.h) * cosine * r.solidAngle / (eta * eta);
+// BSDF times cosine, 1/sr, of the facets' density and visibility.
+float transmissionEval(Refraction r, float density, float visibility, vec3 wi, float eta) {
+    float cosine = 4.0 * r.cosO * visibility * abs(wi.z);
+    return density * cosine * r.solidAngle / (eta * eta);
 }
 
 // Solid-angle pdf of wi, 1/sr.

@@ -90,15 +90,14 @@ vec3 directLight(SampleKey key, uint bounce, Surface s, Bsdf bsdf, vec3 wo, Ligh
     parts = noScattering();
     // Of the kinds of lights only those without extent are left to this.
     if (lightsByBsdf() && !has(FEATURE_PUNCTUAL_LIGHTS)) return vec3(0);
-    LightSample l;
-    if (lightsAll()) {
-        vec3 sum = vec3(0);
-        for (uint group = 0u; group < parameters.lightGroups; group++)
-            if (sampleGroup(group, key, bounce, s, l)) sum += lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
-        return sum;
+    vec3 sum = vec3(0);
+    uint samples = lightsAll() ? parameters.lightGroups : 1u;
+    for (uint i = 0u; i < samples; i++) {
+        LightSample l;
+        bool found = lightsAll() ? sampleGroup(i, key, bounce, s, l) : sampleLight(key, bounce, s, lightSide(s, bsdf), l);
+        if (found) sum += lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
     }
-    if (!sampleLight(key, bounce, s, lightSide(s, bsdf), l)) return vec3(0);
-    return lightThrough(l, key, bounce, s, bsdf, wo, way, parts);
+    return sum;
 }
 
 #endif
