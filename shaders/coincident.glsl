@@ -45,9 +45,7 @@ ShapePoint coincidentPoint(Candidate found, Ray ray) {
     return shapePointAt(LOAD(bvhTriangles, found.texel).x, ray.origin, ray.direction, found.t, false);
 }
 
-vec3 faceNormal(Candidate found, Ray ray) {
-    if (has(FEATURE_SHAPES) && (LOAD(bvhTriangles, found.texel).w & kBvhShape) != 0u)
-        return coincidentPoint(found, ray).normal;
+vec3 triangleNormal(Candidate found) {
     vec3 corner[3];
     loadCorners(Hit(0.0, found.primitive, vec2(0), found.texel), corner);
     vec3 a = corner[1] - corner[0], b = corner[2] - corner[0];
@@ -59,10 +57,18 @@ void addCoincident(uint texel, Ray ray, ShearRay shear, inout Faces faces) {
     Candidate found = Candidate(ray.tMax, kNoPrimitive, 0u);
     hitPrimitive(texel, ray, shear, false, found);
     if (found.primitive == kNoPrimitive || faces.count == kMostCoincident) return;
-    bool isShape_ = has(FEATURE_SHAPES) && (LOAD(bvhTriangles, texel).w & kBvhShape) != 0u;
-    bool coplanar = isShape_ ? isCoplanarShape(LOAD(bvhTriangles, texel).x, ray, coincidentPoint(found, ray)) : isCoplanarTriangle(texel, ray);
+    bool coplanar;
+    vec3 normal;
+    if (has(FEATURE_SHAPES) && (LOAD(bvhTriangles, texel).w & kBvhShape) != 0u) {
+        ShapePoint point = coincidentPoint(found, ray);
+        coplanar = isCoplanarShape(LOAD(bvhTriangles, texel).x, ray, point);
+        normal = point.normal;
+    } else {
+        coplanar = isCoplanarTriangle(texel, ray);
+        normal = triangleNormal(found);
+    }
     if (!coplanar) return;
-    bool front = dot(faceNormal(found, ray), ray.direction) <= 0.0;
+    bool front = dot(normal, ray.direction) <= 0.0;
     uint kind = faceKind(loadPrimitive(found.primitive).material);
     faces.face[faces.count++] = Face(texel, found.t, found.primitive, kind, front);
 }
