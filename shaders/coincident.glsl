@@ -28,10 +28,12 @@ struct Faces {
     uint count;
 };
 
-bool mayCoincide(uint material) {
-    return has(FEATURE_COINCIDENT_FACES) && (has(FEATURE_TRANSMISSION) || has(FEATURE_DIFFUSE_TRANSMISSION)) &&
-           (materialFlags(material) & MATERIAL_COINCIDENT) != 0u;
-}
+// Whether the order of coincident faces matters: opaque ones are one, whichever is met.
+#define facesHaveOrder()                       \
+    ((featureBit(FEATURE_COINCIDENT_FACES) & \
+      (featureBit(FEATURE_TRANSMISSION) | featureBit(FEATURE_DIFFUSE_TRANSMISSION))) != 0u)
+
+bool mayCoincide(uint material) { return facesHaveOrder() && (materialFlags(material) & MATERIAL_COINCIDENT) != 0u; }
 
 uint faceKind(uint material) {
     uint flags = materialFlags(material);
@@ -181,7 +183,7 @@ void arriveAmongFaces(inout Surface s, Ray ray, inout Hit hit) {
 // Of the faces that coincide with the one where a ray starts, the next in order along the ray: it is not behind the ray
 // but at its start, and traversal passes over it. False: there is none.
 bool nextAmongFaces(Surface s, vec3 direction, uint key, out Hit hit) {
-    if (!has(FEATURE_COINCIDENT_FACES) || !s.coincides) return false;
+    if (!facesHaveOrder() || !s.coincides) return false;
     Faces faces = facesAt(s, direction, key, cullsAll());
     bool front = (dot(s.geometricNormal, direction) < 0.0) == s.frontFace;
     Face start = Face(0u, 0.0, s.primitive, faceKind(s.material), front);

@@ -125,7 +125,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         vec4 u = vec4(unitFloat(bits.xy), unitFloat(bits.zw));
         float carried = maxComponent(path.throughput);
         if (!(inFog ? scatterInFog(path, s.position, u) : scatter(path, s, bsdf, m, wo, u))) break;
-        if (has(FEATURE_COINCIDENT_FACES))
+        if (facesHaveOrder())
             path.amongFaces = !inFog && nextAmongFaces(s, path.ray.direction, cutoutKey(key, path.bounce + 1u), path.next);
         if (has(FEATURE_GLASS_SHADOWS) && path.crossed) continue;
         if (has(FEATURE_GLASS_SHADOWS) && last) {

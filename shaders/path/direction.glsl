@@ -38,7 +38,8 @@ bool picksMirror(Bsdf b, float pick) {
 
 // False for a sample that carries nothing.
 bool sampleDirection(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
-    bool crude = has(FEATURE_DIRECTION_SAMPLING) && parameters.directionSampling != DIRECTION_BSDF;
+    if (!has(FEATURE_DIRECTION_SAMPLING)) return bsdfSample(b, wo, u, s);
+    bool crude = parameters.directionSampling != DIRECTION_BSDF;
     if (!crude || picksMirror(b, u.x)) return bsdfSample(b, wo, u, s) && (!crude || s.delta);
     s.delta = s.blocked = false;
     s.wi = crudeDirection(b, u.yz);

@@ -5,7 +5,7 @@
 #include "path_state.glsl"
 
 bool meet(PathState path, out Hit hit) {
-    if (has(FEATURE_COINCIDENT_FACES) && path.amongFaces) {
+    if (facesHaveOrder() && path.amongFaces) {
         hit = path.next;
         return true;
     }
@@ -15,7 +15,7 @@ bool meet(PathState path, out Hit hit) {
 // The surface that it met; `hit` becomes that of the first in order of those that coincide there.
 Surface arrive(PathState path, inout Hit hit) {
     Surface s = surfaceAt(hit, path.ray);
-    if (!has(FEATURE_COINCIDENT_FACES)) return s;
+    if (!facesHaveOrder()) return s;
     s.coincides = path.amongFaces;
     if (!path.amongFaces) arriveAmongFaces(s, path.ray, hit);
     return s;
