@@ -61,7 +61,7 @@ public:
         });
         leftUnread_ = !whole;
         if (fault) std::rethrow_exception(fault);
-        if (!whole) throw Error(ErrorCode::invalidArgument, "the body ended before its length was reached");
+        if (!whole) throwIncomplete();
     }
     /// Whether bytes are left that nobody wants.
     bool leftUnread() const { return leftUnread_; }
@@ -77,6 +77,14 @@ public:
     }
 
 private:
+    // Of an announced length nothing but time can be wrong, and the client may try again.
+    [[noreturn]] void throwIncomplete() const {
+        if (bytes_)
+            throw Error(ErrorCode::tooSlow,
+                        "the body stopped, or was too slow, before its length was reached");
+        throw Error(ErrorCode::invalidArgument, "the chunks of the body stopped or are malformed");
+    }
+
     const httplib::ContentReader* reader_;
     std::optional<uint64_t> bytes_;
     bool leftUnread_ = false;

@@ -135,7 +135,7 @@ HttpResponse putResult(Services& s, HttpRequest& r) {
     const uint64_t epoch = r.queriedInteger("epoch", 0, INT64_MAX);
     const double seconds = r.queriedNumber("deviceSeconds", 0, 1e9, 0);
     const auto target = s.scheduler.resultTarget(r.parameter("lease"), epoch);
-    s.requireDiskSpace(r.contentLength.value_or(0));
+    s.requireDiskSpace(r.contentLength.value_or(largestUpload(target)));
     UploadBody body(s.uploadMemory, s.config.uploads, r.contentLength);
     receive(r, target, body);
     const FairGate::Pass pass(s.decoders);

@@ -12,6 +12,7 @@ constexpr int httpStatus(ErrorCode code) {
         case ErrorCode::unauthorized: return 401;
         case ErrorCode::forbidden: return 403;
         case ErrorCode::notFound: return 404;
+        case ErrorCode::tooSlow: return 408;
         case ErrorCode::conflict: return 409;
         case ErrorCode::gone: return 410;
         case ErrorCode::tooLarge: return 413;

@@ -14,6 +14,7 @@ enum class ErrorCode {
     unauthorized,     // no or wrong credentials                                   401
     forbidden,        //                                                           403
     notFound,         //                                                           404
+    tooSlow,          // the body of a request did not arrive in time              408
     conflict,         // against the current state or epoch                        409
     gone,             // it existed and is no longer wanted                        410
     tooLarge,         //                                                           413

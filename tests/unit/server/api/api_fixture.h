@@ -62,4 +62,15 @@ protected:
     httplib::Client client{"127.0.0.1", server.port()};
 };
 
+/// The same with a token, which is "secret".
+class TokenTest : public ApiTest {
+protected:
+    TokenTest() : ApiTest(withToken()) {}
+    static ApiConfig withToken() {
+        ApiConfig config = defaults();
+        config.token = "secret";
+        return config;
+    }
+};
+
 }  // namespace tilefarm

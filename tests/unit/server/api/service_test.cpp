@@ -196,16 +196,6 @@ TEST_F(ApiTest, ServesManyWatchersAndAWorkerAtOnce) {
     for (std::thread& watcher : watchers) watcher.join();
 }
 
-class TokenTest : public ApiTest {
-protected:
-    static ApiConfig withToken() {
-        ApiConfig config = defaults();
-        config.token = "secret";
-        return config;
-    }
-    TokenTest() : ApiTest(withToken()) {}
-};
-
 TEST_F(TokenTest, LetsNobodyInWithoutTheToken) {
     EXPECT_EQ(get("/v1/jobs")->status, 401);
     EXPECT_EQ(get("/v1/jobs")->get_header_value("WWW-Authenticate"), "Bearer");
