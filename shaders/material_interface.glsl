@@ -38,7 +38,6 @@ void readInterface(Surface s, inout MaterialPoint m) {
     if (has(FEATURE_SPECULAR_COLOR)) readSpecular(s, m);
     if (has(FEATURE_ANISOTROPY)) readAnisotropy(s, m);
     if (has(FEATURE_IRIDESCENCE)) readIridescence(s, m);
-    if (has(FEATURE_DISPERSION)) m.dispersion = materialDispersion(s.material);
     if (has(FEATURE_CONDUCTOR) && (m.flags & MATERIAL_CONDUCTOR) != 0u) {
         m.conductorEta = materialConductorEta(s.material);
         m.conductorK = materialConductorK(s.material);

@@ -57,17 +57,13 @@ void readLayers(Surface s, inout MaterialPoint m) {
     if (inside) return;
     if (has(FEATURE_CLEARCOAT)) readClearcoat(s, m);
     if (has(FEATURE_SHEEN)) readSheen(s, m);
-    if (has(FEATURE_DISNEY_SHEEN)) {
-        m.disneySheen = materialDisneySheen(s.material);
-        m.disneySheenTint = materialDisneySheenTint(s.material);
-    }
+    READ_MATERIAL_OUTSIDE(m, s.material)
 }
 
 // After transmission, which decides what is a solid.
 void readOptionalLobes(Surface s, inout MaterialPoint m) {
     if (has(FEATURE_DIFFUSE_TRANSMISSION)) readDiffuseTransmission(s, m);
-    if (has(FEATURE_DISNEY_DIFFUSE)) m.subsurface = materialSubsurface(s.material);
-    if (has(FEATURE_OREN_NAYAR)) m.orenNayarSigma = materialOrenNayarSigma(s.material);
+    READ_MATERIAL_BASE(m, s.material)
     readLayers(s, m);
 }
 

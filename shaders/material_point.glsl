@@ -3,6 +3,8 @@
 #ifndef MATERIAL_POINT_GLSL
 #define MATERIAL_POINT_GLSL
 
+#include "gpu_material_point.glsl"
+
 struct MaterialPoint {
     vec3 baseColor;
     vec3 emission;
@@ -19,17 +21,15 @@ struct MaterialPoint {
     float alphaT;        // FEATURE_ANISOTROPY: α along the tangent; `alpha` is across it
     vec3 conductorEta, conductorK;
     float iridescence, iridescenceIor, iridescenceThickness;  // nm
-    float dispersion;
 
     float clearcoat, clearcoatAlpha;
     uint coatTable, sheenTable;
     vec3 clearcoatNormal;  // in the shading frame
     vec3 sheenColor;
     float sheenRoughness;  // perceptual
-    float disneySheen, disneySheenTint;
     float diffuseTransmission;
     vec3 diffuseTransmissionColor;
-    float subsurface, orenNayarSigma;
+    MATERIAL_POINT_PARAMETERS
 };
 
 // KHR_materials_dispersion: the index for a colour channel; that of red and blue is half the spread less or more, within
@@ -54,16 +54,14 @@ void materialPointDefaults(inout MaterialPoint m) {
     m.iridescence = 0.0;
     m.iridescenceIor = 1.3;
     m.iridescenceThickness = 0.0;
-    m.dispersion = 0.0;
     m.clearcoat = m.clearcoatAlpha = 0.0;
     m.coatTable = m.sheenTable = 0u;
     m.clearcoatNormal = vec3(0, 0, 1);
     m.sheenColor = vec3(0);
     m.sheenRoughness = 0.0;
-    m.disneySheen = m.disneySheenTint = 0.0;
     m.diffuseTransmission = 0.0;
     m.diffuseTransmissionColor = vec3(1);
-    m.subsurface = m.orenNayarSigma = 0.0;
+    MATERIAL_POINT_DEFAULTS(m)
 }
 
 #endif

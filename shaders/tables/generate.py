@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Writes what follows from the tables of this folder.
 
-    generate.py gpu FOLDER     gpu_features.h, gpu_records.h (host and shaders), gpu_readers.glsl, gpu_tables_host.h
+    generate.py gpu FOLDER     gpu_features.h, gpu_records.h (host and shaders), gpu_readers.glsl, gpu_tables_host.h and
+                               what material_text.py makes of the materials
     generate.py effects        the table of docs/effects.md, to standard output
 """
 
@@ -9,8 +10,10 @@ import os
 import sys
 
 sys.dont_write_bytecode = True
-import features  # noqa: E402
-import records   # noqa: E402
+import features       # noqa: E402
+import material_text  # noqa: E402
+import materials      # noqa: E402
+import records        # noqa: E402
 
 WIDTH = {"float": 1, "uint": 1, "vec2": 2, "vec3": 3}
 HEADER = "// Written by shaders/tables/generate.py from {}: edit that.\n"
@@ -128,7 +131,20 @@ def effects_table():
     return text
 
 
+def check_materials():
+    for rows in (materials.of_material(), materials.of_jobs()):
+        names = [row.name for row in rows]
+        if len(set(names)) < len(names):
+            sys.exit("materials.py: a parameter is there twice")
+    for row in materials.PARAMETERS:
+        if (row.needed or row.point) and not row.feature:
+            sys.exit(f"materials.py: {row.name} names no feature")
+        if row.point and row not in materials.in_record():
+            sys.exit(f"materials.py: {row.name} is not in TEXELS")
+
+
 def check():
+    check_materials()
     known = {f.id for f in features.FEATURES}
     if len(known) < len(features.FEATURES) or len({f.name for f in features.FEATURES}) < len(features.FEATURES):
         sys.exit("features.py: an id or a name is there twice")
@@ -138,16 +154,26 @@ def check():
                 sys.exit(f"records.py: {record.name}.{member.name}: there is no feature {member.feature}")
 
 
+def write(folder, name, text):
+    """Leaves a file alone that has that text, so that nothing is compiled again for it."""
+    path = os.path.join(folder, name)
+    if not os.path.exists(path) or open(path, encoding="utf-8").read() != text:
+        with open(path, "w", encoding="utf-8") as out:
+            out.write(text)
+
+
+FILES = {"gpu_features.h": feature_constants, "gpu_records.h": record_structs, "gpu_readers.glsl": readers,
+         "gpu_tables_host.h": host_tables, **material_text.FILES}
+
+
 def main():
     check()
     if sys.argv[1:] == ["effects"]:
         sys.stdout.write(effects_table())
     elif len(sys.argv) == 3 and sys.argv[1] == "gpu":
         os.makedirs(sys.argv[2], exist_ok=True)
-        for name, make in (("gpu_features.h", feature_constants), ("gpu_records.h", record_structs),
-                           ("gpu_readers.glsl", readers), ("gpu_tables_host.h", host_tables)):
-            with open(os.path.join(sys.argv[2], name), "w", encoding="utf-8") as out:
-                out.write(make())
+        for name, make in FILES.items():
+            write(sys.argv[2], name, make())
     else:
         sys.exit(__doc__.strip())
 

@@ -3,6 +3,8 @@ of C++ and GLSL and the readers of GLSL, so that both sides have the same layout
 
 from collections import namedtuple
 
+import materials
+
 # type: float, uint, vec2, vec3; feature: without it the member is `neutral`, so that the code of others finds nothing.
 Member = namedtuple("Member", "type name meaning feature neutral", defaults=("", None, None))
 # texels: the constant that counts them. With a buffer and a prefix GLSL gets a reader of each member, such as
@@ -10,43 +12,25 @@ Member = namedtuple("Member", "type name meaning feature neutral", defaults=("",
 # without, what makes a record of its texels, `AliasRecord unpackAliasRecord(uvec4 t0)`.
 Record = namedtuple("Record", "name texels meaning members buffer prefix", defaults=(None, None))
 
+
+def neutral(row):
+    return f"vec3({row.default})" if row.type == "color" else str(row.default)
+
+
+def material_member(name):
+    """What a word of materials.TEXELS stands for."""
+    if name in materials.DERIVED:
+        kind, feature = materials.DERIVED[name]
+        return Member(kind, name, "", feature, "vec3(0)" if feature else None)
+    row = next(p for p in materials.of_material() if p.name == name)
+    kind = {"color": "vec3", "texture": "uint"}.get(row.type, row.type)
+    return Member(kind, name, "", row.feature, neutral(row) if row.feature else None)
+
+
 MATERIAL = Record(
     "MaterialRecord", "MATERIAL_TEXELS",
-    "One per material. What the members mean stands at Material (worker/scene/scene.h); textures are indices of\n"
-    "TextureRecord or NO_INDEX.",
-    [
-        Member("vec3", "baseColor"), Member("float", "alpha"),
-        Member("vec3", "emission"), Member("float", "alphaCutoff"),
-        Member("float", "metallic"), Member("float", "roughness"), Member("float", "normalScale"),
-        Member("float", "ior"),
-        Member("float", "transmission", "", "TRANSMISSION", "0"), Member("uint", "flags", "MATERIAL_*"),
-        Member("uint", "albedoTable"), Member("float", "dispersion", "", "DISPERSION", "0"),
-        Member("vec3", "absorption", "1/m", "ATTENUATION", "vec3(0)"),
-        Member("float", "orenNayarSigma", "rad", "OREN_NAYAR", "0"),
-        Member("uint", "baseColorTexture"), Member("uint", "metallicRoughnessTexture"),
-        Member("uint", "normalTexture"), Member("uint", "emissionTexture"),
-        Member("uint", "transmissionTexture"), Member("uint", "specularTexture"),
-        Member("uint", "specularColorTexture"), Member("uint", "clearcoatTexture"),
-        Member("vec3", "specularColor", "", "SPECULAR_COLOR", "vec3(1)"),
-        Member("float", "specular", "", "SPECULAR_COLOR", "1"),
-        Member("float", "clearcoat", "", "CLEARCOAT", "0"), Member("float", "clearcoatRoughness"),
-        Member("float", "clearcoatNormalScale"), Member("float", "specularTint", "", "SPECULAR_COLOR", "0"),
-        Member("uint", "clearcoatRoughnessTexture"), Member("uint", "clearcoatNormalTexture"),
-        Member("uint", "sheenColorTexture"), Member("uint", "sheenRoughnessTexture"),
-        Member("vec3", "sheenColor", "", "SHEEN", "vec3(0)"), Member("float", "sheenRoughness"),
-        Member("float", "anisotropy", "", "ANISOTROPY", "0"), Member("float", "anisotropyCos"),
-        Member("float", "anisotropySin"), Member("float", "subsurface", "", "DISNEY_DIFFUSE", "0"),
-        Member("float", "iridescence", "", "IRIDESCENCE", "0"), Member("float", "iridescenceIor"),
-        Member("float", "iridescenceThicknessMinimum", "nm"), Member("float", "iridescenceThicknessMaximum", "nm"),
-        Member("uint", "anisotropyTexture"), Member("uint", "iridescenceTexture"),
-        Member("uint", "iridescenceThicknessTexture"), Member("uint", "diffuseTransmissionTexture"),
-        Member("vec3", "diffuseTransmissionColor"),
-        Member("float", "diffuseTransmission", "", "DIFFUSE_TRANSMISSION", "0"),
-        Member("vec3", "conductorEta"), Member("float", "disneySheen", "", "DISNEY_SHEEN", "0"),
-        Member("vec3", "conductorK"), Member("float", "disneySheenTint"),
-        Member("uint", "diffuseTransmissionColorTexture"), Member("uint", "coatTable"), Member("uint", "sheenTable"),
-        Member("uint", "unused"),
-    ], "materialTexels", "material")
+    "One per material. What the members mean stands in materials.py; textures are indices of TextureRecord or NO_INDEX.",
+    [material_member(name) for name in materials.TEXELS.split()], "materialTexels", "material")
 
 TEXTURE = Record(
     "TextureRecord", "TEXTURE_TEXELS", "uv' = du * u + dv * v + offset",

@@ -1,5 +1,6 @@
 """What shaders/tables/generate.py makes of the tables, and what it refuses."""
 import importlib.util
+import os
 import re
 import sys
 import tempfile
@@ -13,7 +14,7 @@ TABLES = ROOT / "shaders" / "tables"
 def generator():
     """A fresh one: tests change its tables."""
     sys.path.insert(0, str(TABLES))
-    for name in ("features", "records"):
+    for name in ("features", "materials", "material_text", "records"):
         sys.modules.pop(name, None)
     spec = importlib.util.spec_from_file_location("generate", TABLES / "generate.py")
     module = importlib.util.module_from_spec(spec)
@@ -82,6 +83,40 @@ class Tables(unittest.TestCase):
         for path in (p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".glsl", ".comp", ".vert", ".frag")):
             self.assertIsNone(raw.search(path.read_text()), path)
 
+    def test_a_row_of_a_material_reaches_host_job_and_shaders(self):
+        materials = self.generate.materials
+        materials.PARAMETERS.append(materials.Parameter("glow", "float", 0, "a share", (0, 2), feature="OREN_NAYAR",
+                                                        needed="hasDiffuse(m)", point="base"))
+        materials.TEXELS = materials.TEXELS.replace("unused", "glow")
+        text = {name: make() for name, make in self.generate.material_text.FILES.items()}
+        self.assertIn("std::optional<float> glow;  // a share", text["job_material.h"])
+        self.assertIn('v.number({"glow", "a share"}, m.glow, NumberRange{0, 2});', text["job_material_fields.h"])
+        self.assertIn("float glow{0};  // a share", text["scene_material.h"])
+        self.assertIn("set(m.glow, o.glow);", text["scene_material_override.h"])
+        self.assertIn("if (m.glow > 0 && hasDiffuse(m)) features |= gpu::bit(gpu::FEATURE_OREN_NAYAR);", text["gpu_material_host.h"])
+        self.assertIn("record.glow = m.glow;", text["gpu_material_host.h"])
+        self.assertIn("m.glow = materialGlow(index);", text["gpu_material_point.glsl"])
+        self.generate.check()
+
+    def test_refuses_parameters_that_are_there_twice_or_nowhere(self):
+        materials = self.generate.materials
+        materials.PARAMETERS.append(materials.PARAMETERS[0])
+        with self.assertRaisesRegex(SystemExit, "twice"):
+            self.generate.check()
+        materials.PARAMETERS[-1] = materials.Parameter("glow", "float", 0, "", feature="SHEEN", point="base")
+        with self.assertRaisesRegex(SystemExit, "glow is not in TEXELS"):
+            self.generate.check()
+
+    def test_writes_files_only_when_their_text_changes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "a")
+            self.generate.write(folder, "a", "text")
+            os.utime(path, (1, 1))
+            self.generate.write(folder, "a", "text")
+            self.assertEqual(path.stat().st_mtime, 1)
+            self.generate.write(folder, "a", "other")
+            self.assertEqual(path.read_text(), "other")
+
     def test_writes_all_files(self):
         with tempfile.TemporaryDirectory() as folder:
             argv, sys.argv = sys.argv, ["generate.py", "gpu", folder]
@@ -90,7 +125,7 @@ class Tables(unittest.TestCase):
             finally:
                 sys.argv = argv
             self.assertEqual({p.name for p in Path(folder).iterdir()},
-                             {"gpu_features.h", "gpu_records.h", "gpu_readers.glsl", "gpu_tables_host.h"})
+                             set(self.generate.FILES))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/render/material_needs.h"
+
 namespace tilefarm {
 namespace {
 
@@ -13,10 +15,6 @@ Microfacets microfacetsOf(const Material& m, const RenderSettings& settings) {
 
 Fresnel fresnelOf(const Material& m, const RenderSettings& settings) {
     return m.fresnel != Fresnel::exact ? m.fresnel : settings.fresnel;
-}
-
-bool refracts(const Material& m) {
-    return m.transmission > 0 && m.thickness > 0;
 }
 
 bool isSmooth(const Material& m) {
@@ -51,10 +49,9 @@ bool dispersesToAir(const Material& m) {
            std::min(dispersedIor(m.ior, m.dispersion, 0), dispersedIor(m.ior, m.dispersion, 2)) <= kAir;
 }
 
-// A texture can only lower metallic and roughness, so with one any lower value may occur.
 uint64_t dielectricFeatures(const Material& m, const RenderSettings& settings) {
     uint64_t features = 0;
-    if (m.metallic == 1 && !m.metallicRoughnessTexture) return features;
+    if (!hasDielectric(m)) return features;
     if (tintsSpecular(m)) features |= gpu::bit(gpu::FEATURE_SPECULAR_COLOR);
     if (fresnelOf(m, settings) == Fresnel::schlick) features |= gpu::bit(gpu::FEATURE_SCHLICK);
     return features;
@@ -65,7 +62,6 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
     const Microfacets kind = microfacetsOf(m, settings);
     if (kind == Microfacets::beckmann) features |= gpu::bit(gpu::FEATURE_BECKMANN);
     if (kind == Microfacets::phong) features |= gpu::bit(gpu::FEATURE_PHONG);
-    if (m.anisotropy > 0) features |= gpu::bit(gpu::FEATURE_ANISOTROPY);
     if (mayBeSmooth(m) || (m.transmission > 0 && m.ior == 1) || dispersesToAir(m))
         features |= gpu::bit(gpu::FEATURE_MIRROR);
     if (settings.energyCompensation && (!isSmooth(m) || m.anisotropy > 0 || settings.regularisation > 0))
@@ -76,14 +72,10 @@ uint64_t facetFeatures(const Material& m, const RenderSettings& settings) {
 }  // namespace
 
 uint64_t interfaceFeatures(const Material& m, const RenderSettings& settings) {
-    const bool reflects = m.metallic > 0 || (m.ior != 1 && m.specular > 0) || m.iridescence > 0;
-    if (!reflects && m.transmission == 0) return 0;
+    if (!hasInterface(m)) return 0;
     uint64_t features =
         gpu::bit(gpu::FEATURE_SPECULAR) | facetFeatures(m, settings) | dielectricFeatures(m, settings);
-    if (m.transmission > 0) features |= gpu::bit(gpu::FEATURE_TRANSMISSION);
     if (m.conductor && m.metallic > 0) features |= gpu::bit(gpu::FEATURE_CONDUCTOR);
-    if (m.iridescence > 0) features |= gpu::bit(gpu::FEATURE_IRIDESCENCE);
-    if (m.dispersion > 0 && refracts(m)) features |= gpu::bit(gpu::FEATURE_DISPERSION);
     if ((glassFlags(m, settings) & gpu::MATERIAL_PANE) != 0) features |= gpu::bit(gpu::FEATURE_GLASS_SHADOWS);
     return features;
 }
@@ -103,23 +95,9 @@ void packInterface(gpu::MaterialRecord& record, const Material& m, const RenderS
     if (fresnelOf(m, settings) == Fresnel::schlick) record.flags |= gpu::MATERIAL_SCHLICK;
     record.flags |= glassFlags(m, settings);
     if (m.conductor) record.flags |= gpu::MATERIAL_CONDUCTOR;
-    record.metallic = m.metallic;
-    record.roughness = m.roughness;
-    record.ior = m.ior;
-    record.transmission = m.transmission;
-    record.dispersion = refracts(m) ? m.dispersion : 0;
-    record.specular = m.specular;
-    record.specularColor = m.specularColor;
-    record.specularTint = m.specularTint;
-    record.anisotropy = m.anisotropy;
+    if (!refracts(m)) record.dispersion = 0;
     record.anisotropyCos = std::cos(m.anisotropyRotation);
     record.anisotropySin = std::sin(m.anisotropyRotation);
-    record.iridescence = m.iridescence;
-    record.iridescenceIor = m.iridescenceIor;
-    record.iridescenceThicknessMinimum = m.iridescenceThicknessMinimum;
-    record.iridescenceThicknessMaximum = m.iridescenceThicknessMaximum;
-    record.conductorEta = m.conductorEta;
-    record.conductorK = m.conductorK;
 }
 
 void bindInterfaceTextures(gpu::MaterialRecord& record, const Material& m, uint64_t features,

@@ -8,8 +8,8 @@
 
 namespace tilefarm {
 
-/// What a material's interface between air and base (shaders/bsdf/interface.glsl) calls for: reflection,
-/// transmission and all that varies them. Zero for a matte surface.
+/// What a material's interface between air and base (shaders/bsdf/interface.glsl) calls for beyond
+/// parameterFeatures (gpu_material_host.h): reflection and all that varies it. Zero for a matte surface.
 uint64_t interfaceFeatures(const Material& material, const RenderSettings& settings);
 
 /// Whether it may be smooth solid glass, through which no path finds a light without extent.
@@ -18,7 +18,7 @@ bool hidesLights(const Material& material, const RenderSettings& settings);
 /// Which albedo tables it reads.
 InterfaceKind interfaceKind(const Material& material, const RenderSettings& settings);
 
-/// Writes its part of the record; the textures only of what interfaceFeatures calls for.
+/// Writes what its part of the record has beside the parameters; the textures only of `features`.
 void packInterface(gpu::MaterialRecord& record, const Material& material, const RenderSettings& settings);
 void bindInterfaceTextures(gpu::MaterialRecord& record, const Material& material, uint64_t features,
                            TexturePacker& textures);

@@ -9,7 +9,7 @@
 /// diffuse base may be besides Lambert's.
 namespace tilefarm {
 
-/// FEATURE_* that these lobes call for; the material is lit.
+/// FEATURE_* that these lobes call for beyond parameterFeatures (gpu_material_host.h); the material is lit.
 uint64_t layerFeatures(const Material& material);
 
 /// MATERIAL_* of these lobes.
@@ -17,9 +17,6 @@ uint32_t layerFlags(const Material& material);
 
 /// Whether one of their textures is read.
 bool hasLayerTextures(const Material& material);
-
-/// Everything but textures and tables.
-void packLayers(const Material& material, gpu::MaterialRecord& record);
 
 /// `add` gives the index of a texture, or NO_INDEX for none.
 template <typename Add>

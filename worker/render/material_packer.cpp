@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gpu_material_host.h"
 #include "worker/render/albedo_table.h"
 #include "worker/render/interface_packer.h"
 #include "worker/render/layer_packer.h"
@@ -31,7 +32,7 @@ uint64_t lobesOf(const Material& m, const RenderSettings& settings) {
     if ((m.transmission > 0 || m.diffuseTransmission > 0) && m.thickness > 0 &&
         absorptionCoefficient(m.attenuationColor, m.attenuationDistance) != glm::vec3(0))
         features |= gpu::bit(gpu::FEATURE_ATTENUATION);
-    return features | layerFeatures(m);
+    return features | layerFeatures(m) | parameterFeatures(m);
 }
 
 uint64_t featuresOf(const Material& m, const RenderSettings& settings) {
@@ -105,24 +106,12 @@ void MaterialPacker::bindTextures(gpu::MaterialRecord& record, const Material& m
 
 gpu::MaterialRecord MaterialPacker::pack(const Material& m) {
     gpu::MaterialRecord record{};
-    record.baseColor = m.baseColor;
-    record.alpha = m.alpha;
-    record.emission = m.emission;
-    record.alphaCutoff = m.alphaCutoff;
-    record.normalScale = m.normalScale;
+    packParameters(m, record);
     record.flags = flagsOf(m);
     packInterface(record, m, settings_);
     record.albedoTable = gpu::NO_INDEX;
     record.absorption =
         m.thickness > 0 ? absorptionCoefficient(m.attenuationColor, m.attenuationDistance) : glm::vec3(0);
-    record.baseColorTexture = record.metallicRoughnessTexture = record.normalTexture =
-        record.emissionTexture = record.transmissionTexture = record.specularTexture =
-            record.specularColorTexture = record.clearcoatTexture = record.clearcoatRoughnessTexture =
-                record.clearcoatNormalTexture = record.sheenColorTexture = record.sheenRoughnessTexture =
-                    record.anisotropyTexture = record.iridescenceTexture =
-                        record.iridescenceThicknessTexture = record.diffuseTransmissionTexture =
-                            record.diffuseTransmissionColorTexture = gpu::NO_INDEX;
-    packLayers(m, record);
     return record;
 }
 

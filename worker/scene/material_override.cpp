@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene_material_override.h"
 #include "shared/error/error.h"
 #include "shared/job/appearance.h"
 #include "worker/scene/conductors.h"
@@ -22,11 +23,7 @@ void set(glm::vec3& to, const std::optional<Color>& given) {
 }
 
 void setClearcoat(Material& m, const MaterialOverride& o) {
-    set(m.clearcoat, o.clearcoat);
-    if (o.clearcoatRoughness) {
-        m.clearcoatRoughness = *o.clearcoatRoughness;
-        m.clearcoatGtr1 = false;
-    }
+    if (o.clearcoatRoughness) m.clearcoatGtr1 = false;
     if (o.clearcoatGloss) {
         // Burley 2012, 5.5: α from 0.1 to 0.001.
         m.clearcoatRoughness = std::sqrt(std::lerp(0.1f, 0.001f, *o.clearcoatGloss));
@@ -63,38 +60,9 @@ void warnOnce(Scene& scene, const std::string& where, const std::string& instead
 }  // namespace
 
 void applyOverride(Material& m, const MaterialOverride& o) {
-    set(m.baseColor, o.baseColor);
-    set(m.emission, o.emission);
-    set(m.metallic, o.metallic);
-    set(m.roughness, o.roughness);
-    set(m.ior, o.ior);
-    set(m.transmission, o.transmission);
-    set(m.thickness, o.thickness);
-    set(m.attenuationColor, o.attenuationColor);
-    set(m.attenuationDistance, o.attenuationDistance);
-    set(m.specular, o.specular);
-    set(m.specularColor, o.specularColor);
-    set(m.specularTint, o.specularTint);
+    setParameters(m, o, [](auto& to, const auto& given) { set(to, given); });
     setClearcoat(m, o);
-    set(m.sheenColor, o.sheenColor);
-    set(m.sheenRoughness, o.sheenRoughness);
-    set(m.disneySheen, o.sheen);
-    set(m.disneySheenTint, o.sheenTint);
-    set(m.anisotropy, o.anisotropy);
-    set(m.anisotropyRotation, o.anisotropyRotation);
-    set(m.iridescence, o.iridescence);
-    set(m.iridescenceIor, o.iridescenceIor);
-    set(m.iridescenceThicknessMinimum, o.iridescenceThickness);
-    set(m.iridescenceThicknessMaximum, o.iridescenceThickness);
-    set(m.dispersion, o.dispersion);
-    set(m.diffuseTransmission, o.diffuseTransmission);
-    set(m.diffuseTransmissionColor, o.diffuseTransmissionColor);
-    set(m.subsurface, o.subsurface);
-    set(m.disneyDiffuse, o.disneyDiffuse);
-    set(m.orenNayarSigma, o.orenNayarSigma);
     if (o.conductor) setConductor(m, *o.conductor);
-    set(m.microfacets, o.microfacets);
-    set(m.fresnel, o.fresnel);
 }
 
 bool matchesName(std::string_view pattern, std::string_view name) {

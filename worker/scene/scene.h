@@ -7,16 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "shared/job/facets.h"
+#include "scene_material.h"
 #include "worker/scene/scene_warning.h"
 #include "worker/scene/shapes.h"
+#include "worker/scene/texture_ref.h"
 
 /// A scene as plain values, free of glTF and of Vulkan. World space is metres, y up, right handed.
 namespace tilefarm {
-
-inline constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-
-enum class Wrap : uint32_t { repeat, mirror, clamp };
 
 /// Pixels of one texture image, top row first. Exactly one of the two is filled.
 struct Image {
@@ -26,90 +23,15 @@ struct Image {
     std::vector<float> rgbaFloat;  // 4 per pixel, linear (16-bit and HDR sources)
 };
 
-/// How a material reads an image. The transform is KHR_texture_transform's: uv' = matrix * (uv, 1).
-struct TextureRef {
-    uint32_t image = kNone;
-    uint32_t uvSet = 0;  // 0 or 1
-    Wrap wrapS = Wrap::repeat, wrapT = Wrap::repeat;
-    bool linearFilter = true;
-    bool srgb = false;                        // texels are sRGB-encoded; decoded before filtering
-    glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  // columns: d/du, d/dv, offset
-    explicit operator bool() const { return image != kNone; }
-};
-
 enum class AlphaMode : uint32_t { opaque, mask, blend };
 
-/// glTF metallic-roughness material with the extensions that the renderer knows.
-struct Material {
+/// glTF metallic-roughness material with the extensions that the renderer knows. Its parameters:
+/// shaders/tables/materials.py.
+struct Material : MaterialParameters {
     std::string name;
-    glm::vec3 baseColor{1};  // linear
-    float alpha = 1;
-    TextureRef baseColorTexture;
-    float metallic = 1, roughness = 1;
-    TextureRef metallicRoughnessTexture;  // g: roughness, b: metallic
-    TextureRef normalTexture;
-    float normalScale = 1;
-    glm::vec3 emission{
-        0};  // emissiveFactor times emissive strength: radiance, W/(sr m²) up to the scene's scale
-    TextureRef emissionTexture;
     AlphaMode alphaMode = AlphaMode::opaque;
-    float alphaCutoff = 0.5f;
     bool doubleSided = false;
     bool unlit = false;
-    float ior = 1.5f;
-    float transmission = 0;          // KHR_materials_transmission
-    TextureRef transmissionTexture;  // r
-    float thickness = 0;             // KHR_materials_volume: 0 is thin-walled, else solid
-    glm::vec3 attenuationColor{1};
-    float attenuationDistance = std::numeric_limits<float>::infinity();
-
-    // KHR_materials_specular: the dielectric's F0 is min(F0(ior) * specularColor, 1) * specular, its F90 is
-    // specular. An ior of 0 stands for F0(ior) = 1, as converted specular-glossiness has it.
-    float specular = 1;
-    TextureRef specularTexture;  // a
-    glm::vec3 specularColor{1};
-    TextureRef specularColorTexture;  // rgb, sRGB
-    float specularTint = 0;           // Disney: pulls specularColor to the base colour's hue
-
-    float clearcoat = 0;                   // KHR_materials_clearcoat
-    TextureRef clearcoatTexture;           // r
-    float clearcoatRoughness = 0;          // perceptual
-    TextureRef clearcoatRoughnessTexture;  // g
-    TextureRef clearcoatNormalTexture;
-    float clearcoatNormalScale = 1;
-    bool clearcoatGtr1 = false;  // Disney's distribution GTR1 with α = clearcoatRoughness², not GGX
-
-    glm::vec3 sheenColor{0};                     // KHR_materials_sheen, Charlie
-    TextureRef sheenColorTexture;                // rgb, sRGB
-    float sheenRoughness = 0;                    // perceptual
-    TextureRef sheenRoughnessTexture;            // a
-    float disneySheen = 0, disneySheenTint = 0;  // Burley 2012
-
-    float anisotropy = 0;          // KHR_materials_anisotropy: strength
-    float anisotropyRotation = 0;  // rad, counter-clockwise from the tangent
-    TextureRef anisotropyTexture;  // rg direction, b strength
-
-    float iridescence = 0;          // KHR_materials_iridescence
-    TextureRef iridescenceTexture;  // r
-    float iridescenceIor = 1.3f;
-    float iridescenceThicknessMinimum = 100, iridescenceThicknessMaximum = 400;  // nm
-    TextureRef iridescenceThicknessTexture;                                      // g
-
-    float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number
-
-    float diffuseTransmission = 0;          // KHR_materials_diffuse_transmission
-    TextureRef diffuseTransmissionTexture;  // a
-    glm::vec3 diffuseTransmissionColor{1};
-    TextureRef diffuseTransmissionColorTexture;  // rgb, sRGB
-
-    float subsurface = 0;        // Burley 2012: mixes the diffuse base with its flat subsurface approximation
-    bool disneyDiffuse = false;  // Burley 2012: diffuse base with retro-reflection
-    float orenNayarSigma = 0;    // rad: standard deviation of the facets' slope angle; 0 is Lambert
-
-    bool conductor = false;  // metal of measured complex index η + i k, instead of the base colour's Schlick
-    glm::vec3 conductorEta{1}, conductorK{0};
-    Microfacets microfacets = Microfacets::ggx;
-    Fresnel fresnel = Fresnel::exact;  // of dielectrics
 };
 
 /// Whether light is refracted into what lies behind its surface, or scattered there, and absorbed within.
@@ -226,7 +148,7 @@ struct Scene {
     std::vector<SceneWarning> warnings;
     uint64_t degenerateTriangles = 0;  // left out by the loader: repeated indices, zero area, not finite
 
-    uint64_t sanitisedTexels = 0;      // of the environment, that were no radiance and are changed
+    uint64_t sanitisedTexels = 0;  // of the environment, that were no radiance and are changed
 
     // Of what an animation does: a moment without light is then no fault of the file.
     bool lightChanges = false;  // to what a lamp or a surface emits
