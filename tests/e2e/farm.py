@@ -162,7 +162,7 @@ class FarmTest(unittest.TestCase):
         self.render_here(DATA / "cornell.gltf", "warm.exr", samples=1, **settings)
         _, report = self.render_here(DATA / "cornell.gltf", "pace.exr", samples=24, **settings)
         pace = report["samples"] / report["seconds"]
-        return max(32, int(pace * seconds / (width * height))) * 2 + 1
+        return max(64, int(pace * seconds / (width * height))) | 1
 
     def run_program(self, program, *arguments, **changed):
         """Runs one to its end, with `changed` environment variables; exit code, standard output, standard error."""
