@@ -72,11 +72,16 @@ std::vector<FleetMember> membersFor(const AgentConfig& config, uint32_t salt) {
     return members;
 }
 
+void keepShaders(const WorkerConfig& config) {
+    const std::filesystem::path shared = gpu::shaderCacheByEnvironment();
+    gpu::useShaderCache(shared.empty() ? config.cache / "shaders" : shared);
+}
+
 int runAgent(const WorkerConfig& config, const AgentConfig& agent) {
     // Never destroyed: its thread may be using the switch while the process ends.
     static StopSwitch& stop = *new StopSwitch;
     const StopSignals signals(stop);
-    gpu::useShaderCache(config.cache / "shaders");
+    keepShaders(config);
     const SystemClock clock;
     const uint32_t salt = std::random_device{}();
     makeHttpFarm(agent.server, agent.token);  // refuses what is no URL before anything starts
@@ -97,7 +102,7 @@ int runAgent(const WorkerConfig& config, const AgentConfig& agent) {
 }
 
 int runRender(const WorkerConfig& config, const RenderConfig& render) {
-    gpu::useShaderCache(config.cache / "shaders");
+    keepShaders(config);
     const auto backend = [&] {
         const uint32_t device = render.device.index ? *render.device.index : gpu::defaultDevice();
         const uint64_t traced = render.render.pixel ? gpu::bit(gpu::FEATURE_TRACE) : 0;

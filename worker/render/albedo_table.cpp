@@ -1,5 +1,7 @@
 #include "worker/render/albedo_table.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,6 +11,7 @@
 
 #include "shaders/gpu_types.h"
 #include "worker/render/host_facets.h"
+#include "worker/render/table_cache.h"
 
 namespace tilefarm {
 namespace {
@@ -172,6 +175,11 @@ std::vector<glm::vec4> buildInterfaceTables(const InterfaceKind& kind) {
     return tables;
 }
 
+std::string keyOf(const InterfaceKind& kind) {
+    return fmt::format("interface {} {} {} {}", std::bit_cast<uint32_t>(kind.ior), int(kind.microfacets),
+                       int(kind.fresnel), kind.solid);
+}
+
 }  // namespace
 
 InterfaceAlbedos interfaceAlbedos(double cosTheta, double alpha, const InterfaceKind& kind) {
@@ -223,7 +231,7 @@ const std::vector<glm::vec4>& interfaceTables(const InterfaceKind& kind) {
     static std::map<InterfaceKind, std::vector<glm::vec4>> known;
     const std::lock_guard lock(mutex);
     std::vector<glm::vec4>& tables = known[kind];
-    if (tables.empty()) tables = buildInterfaceTables(kind);
+    if (tables.empty()) tables = tableOnce(keyOf(kind), [&] { return buildInterfaceTables(kind); });
     return tables;
 }
 

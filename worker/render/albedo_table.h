@@ -44,7 +44,8 @@ std::vector<glm::vec4> tabulateAlbedo(const std::function<double(double, double)
 std::vector<glm::vec4> buildAlbedoTable(double ior);
 
 /// The tables of pairs that shaders/bsdf/compensation.glsl reads: (reflected, all); for solids after it
-/// (both, clear) from outside and from inside. Built once per process and kind. Any thread may call.
+/// (both, clear) from outside and from inside. Built once per process
+/// and kind, and kept in gpu::shaderCacheFolder(). Any thread may call.
 const std::vector<glm::vec4>& interfaceTables(const InterfaceKind& kind);
 
 /// KHR_materials_dispersion's index for a channel, 0 red to 2 blue, as shaders/material_point.glsl has it.

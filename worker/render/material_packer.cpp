@@ -9,6 +9,7 @@
 #include "worker/render/layer_packer.h"
 #include "worker/render/layer_tables.h"
 #include "worker/render/neutral_record.h"
+#include "worker/render/table_cache.h"
 
 namespace tilefarm {
 namespace {
@@ -83,14 +84,14 @@ uint32_t MaterialPacker::addTable(const std::vector<glm::vec4>& table) {
 
 void MaterialPacker::bindLayerTables(gpu::MaterialRecord& record, const Material& m) {
     if (m.clearcoat > 0 && m.clearcoatGtr1) {
-        if (!gtr1Table_) gtr1Table_ = addTable(buildGtr1Table());
+        if (!gtr1Table_) gtr1Table_ = addTable(tableOnce("gtr1", buildGtr1Table));
         record.coatTable = *gtr1Table_;
     } else if (m.clearcoat > 0) {
-        if (!coatTable_) coatTable_ = addTable(buildAlbedoTable(1.5));
+        if (!coatTable_) coatTable_ = addTable(tableOnce("coat", [] { return buildAlbedoTable(1.5); }));
         record.coatTable = *coatTable_;
     }
     if (m.sheenColor != glm::vec3(0)) {
-        if (!sheenTable_) sheenTable_ = addTable(buildSheenTable());
+        if (!sheenTable_) sheenTable_ = addTable(tableOnce("sheen", buildSheenTable));
         record.sheenTable = *sheenTable_;
     }
 }

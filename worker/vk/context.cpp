@@ -7,30 +7,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 
+#include "worker/cache_file/cache_file.h"
 #include "worker/vk/enumerate.h"
 
 namespace tilefarm::gpu {
 namespace {
-
-constexpr uint64_t kFnvBasis = 0xcbf29ce484222325u, kFnvPrime = 0x100000001b3u;
-
-uint64_t fnv1a(const std::vector<char>& bytes) {
-    uint64_t hash = kFnvBasis;
-    for (char byte : bytes) hash = (hash ^ static_cast<uint8_t>(byte)) * kFnvPrime;
-    return hash;
-}
-
-// A cache file is a checksum and what the driver gave. Drivers check the header, not what follows it,
-// so a torn file must not reach them.
-std::vector<char> loadCacheFile(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    uint64_t checksum = 0;
-    if (!file.read(reinterpret_cast<char*>(&checksum), sizeof checksum)) return {};
-    std::vector<char> data{std::istreambuf_iterator<char>(file), {}};
-    return fnv1a(data) == checksum ? data : std::vector<char>{};
-}
 
 bool draws(const vk::QueueFamilyProperties& family) {
     return bool(family.queueFlags & vk::QueueFlagBits::eGraphics);
@@ -128,10 +110,11 @@ Device::Context::Context(uint32_t index, DeviceOptions options) {
     queue = device.getQueue(queueFamily, 0);
     commandPool = vk::raii::CommandPool(
         device, vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eTransient, queueFamily));
-    std::vector<char> cached;
+    std::vector<std::byte> cached;
     if (!shaderCacheFolder().empty()) {
         pipelineCacheFile = shaderCacheFolder() / cacheFileName(physical.getProperties());
-        cached = loadCacheFile(pipelineCacheFile);
+        // Drivers check the header, not what follows it: a torn file must not reach them.
+        cached = readCacheFile(pipelineCacheFile);
     }
     pipelineCache =
         vk::raii::PipelineCache(device, vk::PipelineCacheCreateInfo({}, cached.size(), cached.data()));
@@ -158,22 +141,8 @@ vk::raii::CommandBuffer Device::Context::begin() {
 
 void Device::Context::savePipelineCache() const {
     if (pipelineCacheFile.empty()) return;
-    const std::vector<uint8_t> raw = pipelineCache.getData();
-    const std::vector<char> data(raw.begin(), raw.end());
-    const uint64_t checksum = fnv1a(data);
-    // Written beside and renamed, so that workers that share the folder never read half a file. A cache that
-    // cannot be written costs time, not correctness.
-    const auto part =
-        pipelineCacheFile.string() + fmt::format(".{:x}.part", reinterpret_cast<uintptr_t>(this));
-    std::ofstream file(part, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(&checksum), sizeof checksum);
-    file.write(data.data(), static_cast<std::streamsize>(data.size()));
-    file.close();
-    std::error_code ignored;
-    if (file)
-        std::filesystem::rename(part, pipelineCacheFile, ignored);
-    else
-        std::filesystem::remove(part, ignored);
+    const std::vector<uint8_t> data = pipelineCache.getData();
+    writeCacheFile(pipelineCacheFile, std::as_bytes(std::span(data)));
 }
 
 void fullBarrier(const vk::raii::CommandBuffer& commands) {

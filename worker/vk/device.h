@@ -80,9 +80,16 @@ private:
 /// no device is usable.
 uint32_t defaultDevice();
 
-/// Keeps compiled kernels in `folder` (made if absent) from run to run: Mesa's shader cache for lavapipe, a
-/// VkPipelineCache file for other drivers. Call before the first listDevices or Device, and before any
-/// other thread starts (it sets an environment variable, unless the user has set that one).
+/// Keeps compiled kernels in `folder` (made if absent) from run to run: specialised modules, Mesa's shader
+/// cache for lavapipe, a VkPipelineCache file for other drivers. Call before the first listDevices or Device,
+/// and before any other thread starts (it sets an environment variable, unless the user has set that one).
 void useShaderCache(const std::filesystem::path& folder);
+
+/// The folder of useShaderCache, else of TILEFARM_SHADER_CACHE; empty if none was named.
+const std::filesystem::path& shaderCacheFolder();
+
+/// TILEFARM_SHADER_CACHE of the environment: the folder that processes with caches of their own share, as
+/// tests do; empty if it is not set.
+std::filesystem::path shaderCacheByEnvironment();
 
 }  // namespace tilefarm::gpu

@@ -108,7 +108,7 @@ DeviceLimits limitsOf(const vk::PhysicalDeviceLimits& from) {
 }
 
 std::filesystem::path& cacheFolder() {
-    static std::filesystem::path folder;
+    static std::filesystem::path folder = shaderCacheByEnvironment();
     return folder;
 }
 
@@ -136,6 +136,11 @@ bool validationByEnvironment() {
 bool gpuAssistedByEnvironment() {
     const char* value = std::getenv("TILEFARM_VALIDATION");
     return value && std::strcmp(value, "gpu") == 0;
+}
+
+std::filesystem::path shaderCacheByEnvironment() {
+    const char* folder = std::getenv("TILEFARM_SHADER_CACHE");
+    return folder ? folder : "";
 }
 
 const std::filesystem::path& shaderCacheFolder() {

@@ -24,9 +24,6 @@ bool validationByEnvironment();
 /// their own accesses to buffers. Kernels then compile and run many times slower.
 bool gpuAssistedByEnvironment();
 
-/// The folder of useShaderCache; empty if none was named.
-const std::filesystem::path& shaderCacheFolder();
-
 /// The instance that lists devices and opens them without validation. Made at the first call that finds a
 /// driver and kept to the end of the process, with it the loader and the drivers: NVIDIA's driver finds no
 /// device any more after it was loaded and unloaded a dozen times (seen with 580.159). Throws

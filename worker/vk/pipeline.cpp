@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "worker/vk/context.h"
+#include "worker/vk/enumerate.h"
 #include "worker/vk/pipeline_parts.h"
 #include "worker/vk/specialise.h"
 
@@ -62,7 +63,7 @@ StageConstants::StageConstants(const std::vector<uint32_t>& values) {
 
 vk::raii::ShaderModule shaderModule(const Device::Context& context, std::span<const uint32_t> spirv,
                                     const std::vector<uint32_t>& constants) {
-    const std::vector<uint32_t> smaller = specialised(spirv, constants);
+    const std::vector<uint32_t> smaller = specialisedOnce({shaderCacheFolder()}, spirv, constants);
     if (!smaller.empty()) spirv = smaller;
     return {context.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data())};
 }

@@ -1,9 +1,28 @@
 #include "worker/vk/specialise.h"
 
+#include <fmt/core.h>
+#include <spirv-tools/libspirv.h>
+
+#include <cstring>
 #include <spirv-tools/optimizer.hpp>
 #include <unordered_map>
 
 namespace tilefarm::gpu {
+
+namespace {
+
+// All that a specialised module depends on: the passes below, the library that runs them, constants, input.
+std::vector<std::byte> keyOf(std::span<const uint32_t> spirv, const std::vector<uint32_t>& constants) {
+    const std::string version =
+        fmt::format("{} {} {} ", TILEFARM_SPECIALISE_SOURCE, spvSoftwareVersionString(), constants.size());
+    std::vector<std::byte> key;
+    for (const auto part :
+         {std::as_bytes(std::span(version)), std::as_bytes(std::span(constants)), std::as_bytes(spirv)})
+        key.insert(key.end(), part.begin(), part.end());
+    return key;
+}
+
+}  // namespace
 
 std::vector<uint32_t> specialised(std::span<const uint32_t> spirv, const std::vector<uint32_t>& constants) {
     std::unordered_map<uint32_t, std::vector<uint32_t>> values;
@@ -26,6 +45,18 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> spirv, const std::ve
     std::vector<uint32_t> result;
     if (!optimizer.Run(spirv.data(), spirv.size(), &result, options)) return {};
     return result;
+}
+
+std::vector<uint32_t> specialisedOnce(const ComputedCache& cache, std::span<const uint32_t> spirv,
+                                      const std::vector<uint32_t>& constants) {
+    const std::vector<std::byte> bytes = computedOnce(cache, "module", keyOf(spirv, constants), [&] {
+        const std::vector<uint32_t> module = specialised(spirv, constants);
+        const auto made = std::as_bytes(std::span(module));
+        return std::vector<std::byte>(made.begin(), made.end());
+    });
+    std::vector<uint32_t> words(bytes.size() / sizeof(uint32_t));
+    std::memcpy(words.data(), bytes.data(), words.size() * sizeof(uint32_t));
+    return words;
 }
 
 }  // namespace tilefarm::gpu
