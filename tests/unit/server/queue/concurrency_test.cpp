@@ -103,6 +103,7 @@ protected:
     void people() {
         bool canceled = false;
         while (!done) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
             try {
                 scheduler.pause(ids[1]);
                 scheduler.resume(ids[1]);
@@ -138,6 +139,8 @@ protected:
         const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(120);
         while (!(allMerged(ids[0]) && allMerged(ids[1]) && job(ids[2]).state == JobState::canceled) &&
                std::chrono::steady_clock::now() < limit) {
+            // Slower than workers render: where every lease runs out, nothing is merged.
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));
             clock.advance(Milliseconds(2000));
             scheduler.expire();
             for (const Violation& violation : scheduler.sweep())
