@@ -8,6 +8,7 @@
 #include "tests/shader/bsdf_probe_runner.h"
 #include "worker/render/albedo_table.h"
 #include "worker/render/layer_tables.h"
+#include "worker/render/table_cache.h"
 #include "worker/vk/commands.h"
 
 namespace tilefarm {
@@ -116,9 +117,11 @@ void BsdfProbe::setTables(std::vector<BsdfQuery>& queries) {
         }
         const bool gtr1 = (static_cast<uint32_t>(material.flags) & gpu::MATERIAL_GTR1) != 0;
         if (material.clearcoat > 0)
-            material.coatTable = gtr1 ? tableFor(kGtr1Table, buildGtr1Table)
-                                      : tableFor(1.5f, [] { return buildAlbedoTable(1.5); });
-        if (material.sheenColor != glm::vec3(0)) material.sheenTable = tableFor(kSheenTable, buildSheenTable);
+            material.coatTable =
+                gtr1 ? tableFor(kGtr1Table, [] { return tableOnce("gtr1", buildGtr1Table); })
+                     : tableFor(1.5f, [] { return tableOnce("coat", [] { return buildAlbedoTable(1.5); }); });
+        if (material.sheenColor != glm::vec3(0))
+            material.sheenTable = tableFor(kSheenTable, [] { return tableOnce("sheen", buildSheenTable); });
         std::memcpy(q.material, &material, sizeof material);
     }
     if (tables_.size() != before) texels_ = makeTexels(device_, tables_);
