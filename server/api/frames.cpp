@@ -22,8 +22,8 @@ FrameRow waiting(JobKey job, int32_t number) {
 }
 
 // A frame without a row has not begun.
-json viewOf(const std::optional<FrameRow>& row, JobKey job, int32_t number) {
-    json view = frameView(row.value_or(waiting(job, number)));
+json viewOf(const std::optional<FrameRow>& row, const JobInfo& info, int32_t number) {
+    json view = frameView(row.value_or(waiting(info.key, number)), info.spec.stop);
     if (!row) view["state"] = "queued";
     return view;
 }
@@ -52,9 +52,10 @@ HttpResponse listFrames(Services& s, HttpRequest& r) {
     s.store.read([&](const ConstTables& t) {
         const JobRow job = requireJob(t, r.parameter("job"));
         const auto info = s.scheduler.catalog().get(t, job);
-        for (const FrameRow& frame : t.frames.list(job.key)) list.push_back(frameView(frame));
+        for (const FrameRow& frame : t.frames.list(job.key))
+            list.push_back(frameView(frame, info->spec.stop));
         for (uint32_t i = job.framesStarted; i < job.frames; ++i) {
-            list.push_back(viewOf(std::nullopt, job.key, info->frame(i)));
+            list.push_back(viewOf(std::nullopt, *info, info->frame(i)));
         }
     });
     return jsonResponse(200, dump({{"frames", list}}));
@@ -69,7 +70,7 @@ HttpResponse getFrame(Services& s, HttpRequest& r) {
         if (!info->hasFrame(number)) {
             throw Error(ErrorCode::notFound, "job '" + job.id + "' has no frame " + std::to_string(number));
         }
-        json view = viewOf(t.frames.find(job.key, number), job.key, number);
+        json view = viewOf(t.frames.find(job.key, number), *info, number);
         addAccuracy(view, t, job.key, number, info->spec.image);
         response = jsonResponse(200, dump(view));
     });

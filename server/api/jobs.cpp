@@ -129,6 +129,7 @@ HttpResponse getReport(Services& s, HttpRequest& r) {
         const auto info = s.scheduler.catalog().get(t, job);
         for (const FrameRow& frame : t.frames.list(job.key)) {
             json view{{"frame", frame.frame}};
+            addStop(view, frame, info->spec.stop);
             addAccuracy(view, t, job.key, frame.frame, info->spec.image);
             report["frames"].push_back(view);
         }

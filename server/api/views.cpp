@@ -13,6 +13,7 @@
 #include "shared/film/notices.h"
 #include "shared/job/frames.h"
 #include "shared/job/image_spec.h"
+#include "shared/job/wire.h"
 
 namespace tilefarm {
 
@@ -70,21 +71,25 @@ json jobView(const ConstTables& t, const JobRow& job, SpecView specView) {
         {"notices", noticesOf(job)},
         {"flagged", isFlagged(job)},
         {"numerics", numericsOf(job)}};
-    const auto accuracy = addAccuracy(view, t, job.key, currentFrame(job, outline.at("frames")), image);
+    const int32_t current = currentFrame(job, outline.at("frames"));
+    addStop(view, t.frames.find(job.key, current).value_or(FrameRow{}), stopFromJson(outline.at("stop")));
+    const auto accuracy = addAccuracy(view, t, job.key, current, image);
     if (accuracy)
         for (const std::string& notice : noticesOf(*accuracy)) view["notices"].push_back(notice);
     return view;
 }
 
-json frameView(const FrameRow& frame) {
-    return {{"frame", frame.frame},
-            {"state", toString(frame.state)},
-            {"samplesMerged", frame.samplesMerged},
-            {"relativeError", maybe(frame.relativeError)},
-            {"deviceSeconds", frame.deviceSeconds},
-            {"droppedSamples", frame.droppedSamples},
-            {"passesMerged", frame.passesMerged},
-            {"revision", frame.revision}};
+json frameView(const FrameRow& frame, const StopCondition& stop) {
+    json view{{"frame", frame.frame},
+              {"state", toString(frame.state)},
+              {"samplesMerged", frame.samplesMerged},
+              {"relativeError", maybe(frame.relativeError)},
+              {"deviceSeconds", frame.deviceSeconds},
+              {"droppedSamples", frame.droppedSamples},
+              {"passesMerged", frame.passesMerged},
+              {"revision", frame.revision}};
+    addStop(view, frame, stop);
+    return view;
 }
 
 json eventView(const EventRow& event) {

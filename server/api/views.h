@@ -13,7 +13,7 @@ enum class SpecView { whole, outline };
 
 /// The API's JSON of rows.
 nlohmann::json jobView(const ConstTables& t, const JobRow& job, SpecView specView);
-nlohmann::json frameView(const FrameRow& frame);
+nlohmann::json frameView(const FrameRow& frame, const StopCondition& stop);
 nlohmann::json eventView(const EventRow& event);
 nlohmann::json workerView(const WorkerRow& worker, double samplesPerSecond);
 

@@ -17,8 +17,10 @@ constexpr int kBarCells = 24;
 std::string describe(const JobProgress& p, const std::optional<std::chrono::seconds>& left) {
     std::string text = fmt::format("{:3.0f} %  {}", std::floor(100 * p.fraction), p.state);
     if (p.frames > 1) text += fmt::format("  frame {} of {}", std::min(p.framesDone + 1, p.frames), p.frames);
-    text += fmt::format("  {} of {} samples", p.samples, p.samplesWanted);
+    text +=
+        fmt::format("  {} of {}{} samples", p.samples, p.errorWanted > 0 ? "at most " : "", p.samplesWanted);
     if (p.relativeError) text += fmt::format("  relative error {:.4f}", *p.relativeError);
+    if (p.relativeError && p.errorWanted > 0) text += fmt::format(" (target {:.4g})", p.errorWanted);
     if (left) text += fmt::format("  {} left", clockFace(*left));
     return text;
 }

@@ -16,6 +16,7 @@ struct JobProgress {
     uint64_t samples = 0, samplesWanted = 0;
     uint32_t framesDone = 0, frames = 1;
     std::optional<double> relativeError;
+    double errorWanted = 0;  // 0: as it comes
 };
 
 /// "0:07", "12:30", "3:05:00".

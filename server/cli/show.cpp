@@ -68,6 +68,19 @@ std::string frameWords(const FrameSet& frames) {
     return fmt::format("frames {} to {}", frames.first, frames.first + int64_t{frames.count} - 1);
 }
 
+// When a frame is complete.
+std::string stopWords(const json& stop) {
+    std::string words = cell(stop, "samples") + " samples";
+    const auto add = [&](const char* member, const char* format) {
+        if (const double value = stop.value(member, 0.0); value > 0)
+            words += fmt::format(fmt::runtime(format), value);
+    };
+    add("relativeError", " or a relative error of {}");
+    add("deviceSeconds", " or {} device seconds");
+    add("wallSeconds", " or {} seconds");
+    return words;
+}
+
 // What the number is worth, as far as the server knows.
 std::string accuracyWords(const json& view) {
     std::string words;
@@ -96,10 +109,11 @@ void printJob(const json& view, std::ostream& out) {
                        printable(cell(spec, "name")));
     out << fmt::format("  scene           {}, camera {}\n", printable(cell(spec.at("scene"), "entry")),
                        printable(cell(spec, "camera")));
-    out << fmt::format("  image           {} x {}, {} samples, {}\n", cell(image, "width"),
-                       cell(image, "height"), cell(spec.at("stop"), "samples"), frameWords(framesOf(spec)));
+    out << fmt::format("  image           {} x {}, {}, {}\n", cell(image, "width"), cell(image, "height"),
+                       stopWords(spec.at("stop")), frameWords(framesOf(spec)));
     out << fmt::format("  progress        {}, {} samples of the current frame\n", percent(view),
                        cell(view, "samplesMerged"));
+    if (cell(view, "stopped") != "-") out << fmt::format("  stopped         {}\n", cell(view, "stopped"));
     out << fmt::format("  relative error  {}{}\n", cell(view, "relativeError"), accuracyWords(view));
     if (const std::string pixels = worstPixels(view); !pixels.empty())
         out << fmt::format("  worst pixels   {}\n", pixels);

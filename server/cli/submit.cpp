@@ -43,6 +43,7 @@ JobProgress progressOf(const json& view) {
     p.fraction = view.at("progress").at("fraction");
     p.samples = view.at("samplesMerged");
     p.samplesWanted = view.at("spec").at("stop").at("samples");
+    p.errorWanted = view.at("spec").at("stop").value("relativeError", 0.0);
     p.frames = view.at("spec").at("frames").at("count");
     p.framesDone = view.value("framesDone", 0u);
     if (const auto error = view.find("relativeError"); error != view.end() && error->is_number())
@@ -60,6 +61,8 @@ int reportEnd(const json& view, const Console& console) {
     const std::string state = view.at("state");
     for (const json& notice : view.value("notices", json::array()))
         console.err << "note: " << notice.get<std::string>() << '\n';
+    if (const json stopped = view.value("stopped", json()); state == "completed" && stopped.is_string())
+        console.err << stopped.get<std::string>() << '\n';
     if (state == "completed") return kDone;
     console.err << fmt::format("the job is {}\n", isSetAside(view) ? "set aside" : state);
     for (const json& fault : view.value("faults", json::array()))

@@ -132,7 +132,6 @@ ImageAttributes FrameImages::attributes(const Frame& frame) const {
         }
     });
     const auto spec = nlohmann::json::parse(text);
-    const JobSpec& job = frame.info->spec;
     return {{"job", frame.job.id},
             {"frame", std::to_string(frame.row.frame)},
             {"scene", sha256Hex(spec.at("scene").dump())},
@@ -144,7 +143,8 @@ ImageAttributes FrameImages::attributes(const Frame& frame) const {
             {"droppedSamples", std::to_string(frame.row.droppedSamples)},
             {"relativeError", frame.row.relativeError ? std::to_string(*frame.row.relativeError) : ""},
             {"renderer", std::string("Tilefarm ") + TILEFARM_VERSION},
-            {"state", frame.row.samplesMerged == job.stop.samples ? "complete" : "partial"}};
+            {"state", frame.row.state == FrameState::active ? "partial" : "complete"},
+            {"stopped", stopSentence(frame.row, frame.info->spec.stop)}};
 }
 
 fs::path FrameImages::finalPath(const Frame& frame) const {

@@ -12,6 +12,7 @@ JobInfo::JobInfo(JobKey k, std::string i, JobSpec s)
       spec(std::move(s)),
       grid(spec.image),
       schedule(passSchedule(spec.stop.samples)),
+      freeLevels(tilefarm::freeLevels(spec.stop, schedule)),
       frames(frameNumbers(spec.frames)),
       sortedFrames_(sortedFrameNumbers(spec.frames)) {}
 

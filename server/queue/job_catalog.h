@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/store/job_store.h"
+#include "shared/film/sample_plan.h"
 #include "shared/job/job.h"
 #include "shared/job/pass_schedule.h"
 
@@ -20,10 +21,14 @@ struct JobInfo {
     JobSpec spec;
     TileGrid grid;
     std::vector<SampleRange> schedule;
+    uint32_t freeLevels = 0;      // of the schedule, see shared/film/sample_plan.h
     std::vector<int32_t> frames;  // their numbers, in the order in which they are rendered
 
     JobInfo(JobKey key, std::string id, JobSpec spec);
     uint64_t passesPerFrame() const { return uint64_t{grid.count()} * schedule.size(); }
+    uint64_t pixelSamplesPerFrame() const {
+        return uint64_t{spec.image.width} * spec.image.height * spec.stop.samples;
+    }
     uint64_t passes() const { return passesPerFrame() * spec.frames.count; }
     /// The index-th to be rendered.
     int32_t frame(uint32_t index) const { return frames[index]; }

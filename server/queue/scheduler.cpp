@@ -32,8 +32,9 @@ JobRow newRow(const JobSpec& spec, const nlohmann::json& json, TimePoint now) {
     row.priority = spec.priority;
     row.created = now;
     row.frames = spec.frames.count;
-    row.passes = JobInfo(0, row.id, spec).passes();
-    row.pixelSamples = uint64_t{spec.image.width} * spec.image.height * spec.stop.samples * spec.frames.count;
+    const JobInfo info(0, row.id, spec);
+    row.passes = info.passes();
+    row.pixelSamples = info.pixelSamplesPerFrame() * spec.frames.count;
     return row;
 }
 

@@ -152,7 +152,8 @@ private:
     void endJob(Tables& t, JobRow& job, JobState state);
 
     std::optional<Lease> leaseFrom(Tables& t, JobRow job, const WorkerHello& hello, double wantSeconds);
-    Budget budgetFor(const JobRow& job, const JobInfo& info, const std::string& worker, double wantSeconds);
+    Budget budgetFor(const JobRow& job, const JobInfo& info, const std::vector<FrameRow>& frames,
+                     const std::string& worker, double wantSeconds);
     FrameRow startFrame(Tables& t, JobRow& job, const JobInfo& info);
     std::vector<LeasedPass> takePasses(Tables& t, FrameRow& frame, const JobInfo& info,
                                        const std::string& worker, uint64_t epoch, Budget budget);
@@ -185,6 +186,7 @@ private:
     void commitPass(Tables& t, FrameRow& frame, PassRow pass, Tally& tally);
     void completeLevels(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info,
                         const ResultMerge& merge, double secondsBefore);
+    void completeLevel(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info, LevelRow& level);
     void dropTail(Tables& t, const FrameRow& frame);
 
     std::vector<JobKey> jobKeys(const JobQuery& query) const;
@@ -192,6 +194,16 @@ private:
     void sweepJob(JobKey key, std::vector<Violation>& found);
     void closeUnwatchedLeases(std::vector<Violation>& found);
     void forgetOldRows();
+
+    void measureTile(Tables& t, const FrameRow& frame, const TileMerge& tile);
+    static bool atFixedPoint(const FrameRow& frame, const JobInfo& info);
+    void decideNext(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info);
+    static uint64_t passesBeforeFixedPoints(const JobInfo& info, const std::vector<FrameRow>& frames);
+    static FrameWork workOfNext(const Tables& t, const JobRow& job, const JobInfo& info);
+    void expectWork(Tables& t, JobRow& job, FrameRow& frame, const SampleDecision& next);
+    void promote(Tables& t, FrameRow& frame, const JobInfo& info, std::vector<TileErrorRow>& rows,
+                 const std::vector<uint32_t>& tiles);
+    void finishFrame(Tables& t, const JobRow& job, FrameRow& frame, StopReason reason);
 
     JobStore& store_;
     const Clock& clock_;

@@ -47,10 +47,10 @@ std::variant<Lease, NoLease> Scheduler::lease(const WorkerHello& hello, double w
 std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobRow job, const WorkerHello& hello,
                                           double wantSeconds) {
     const auto info = catalog_.get(t, job);
-    const Budget budget = budgetFor(job, *info, hello.worker, wantSeconds);
     const uint64_t epoch = t.leases.lastEpoch() + 1;
 
     auto frames = t.frames.listWithWork(job.key);
+    const Budget budget = budgetFor(job, *info, frames, hello.worker, wantSeconds);
     const bool trial = job.suspectFrame.has_value();
     if (trial) std::erase_if(frames, [&](const FrameRow& frame) { return frame.frame != *job.suspectFrame; });
     const size_t mostActive = 8 + roster_.online(clock_.now());  // the rest stay without rows
@@ -67,7 +67,8 @@ std::optional<Lease> Scheduler::leaseFrom(Tables& t, JobRow job, const WorkerHel
 
 // A modest first lease, then by measured speed. Near a job's end a lease holds at most half of what
 // is fair, so that the others do not wait for one worker's last big lease.
-Scheduler::Budget Scheduler::budgetFor(const JobRow& job, const JobInfo& info, const std::string& worker,
+Scheduler::Budget Scheduler::budgetFor(const JobRow& job, const JobInfo& info,
+                                       const std::vector<FrameRow>& frames, const std::string& worker,
                                        double wantSeconds) {
     const double rate = roster_.rate(worker, job.key);
     const double samples = rate > 0 ? rate * wantSeconds : static_cast<double>(config_.firstLeaseSamples);
@@ -75,7 +76,9 @@ Scheduler::Budget Scheduler::budgetFor(const JobRow& job, const JobInfo& info, c
     const size_t online = roster_.online(clock_.now());
     if (online > 1) {
         const uint64_t done = std::min(job.passes, job.passesMerged + job.passesLeased);
-        budget.passes = std::max<uint64_t>(1, (job.passes - done + 2 * online - 1) / (2 * online));
+        uint64_t left = job.passes - done;
+        if (const uint64_t soon = passesBeforeFixedPoints(info, frames)) left = std::min(left, soon);
+        budget.passes = std::max<uint64_t>(1, (left + 2 * online - 1) / (2 * online));
     }
     // A pass is never split; a tile larger than the limit still goes out, one pass at a time.
     budget.pixels = std::max(budget.pixels, tilePixels(info.spec.image));
@@ -88,6 +91,10 @@ FrameRow Scheduler::startFrame(Tables& t, JobRow& job, const JobInfo& info) {
     frame.frame = info.frame(job.framesStarted);
     frame.levels = static_cast<uint32_t>(info.schedule.size());
     frame.tiles = info.grid.count();
+    frame.started = clock_.now();
+    const FrameWork work = workOfNext(t, job, info);
+    frame.passes = work.passes;
+    frame.pixelSamples = work.pixelSamples;
     t.frames.insert(frame);
     ++job.framesStarted;
     t.jobs.update(job);
@@ -108,6 +115,7 @@ std::vector<LeasedPass> Scheduler::takePasses(Tables& t, FrameRow& frame, const 
             const SampleRange& next = info.schedule[frame.levelsCreated];
             if (!taken.empty() && budget.samples < static_cast<double>(pixels) * next.count) break;
             ++frame.levelsCreated;
+            if (frame.levelsCreated == info.freeLevels) frame.levelsCreated = frame.levels;  // decided later
             t.passes.insertLevel(frame.job, frame.frame, next, frame.tiles, clock_.now());
             frame.passesQueued += frame.tiles;
             first = next.first;

@@ -85,6 +85,7 @@ ResultReceipt Scheduler::commit(const ResultTarget& target, const ResultMerge& m
             t.workers.addContribution({job.key, target.lease.worker, seconds, tally.merged, tally.samples});
         }
         completeLevels(t, job, frame, *target.job, merge, before);
+        if (tally.merged > 0 && atFixedPoint(frame, *target.job)) decideNext(t, job, frame, *target.job);
         t.frames.update(frame);
         t.jobs.update(job);
         if (tally.merged > 0) note(t, job, "progress", progressJson(job, frame));
@@ -104,6 +105,7 @@ void Scheduler::commitTile(Tables& t, FrameRow& frame, const TileMerge& tile, Ta
         throw Error(ErrorCode::conflict, "the tile was changed by another result meanwhile");
     }
     if (tile.after != tile.before) t.frames.update(tile.after);
+    if (tally.job.spec.stop.decidesOnTheWay()) measureTile(t, frame, tile);
     const auto pass = [&](uint32_t first) {
         return *t.passes.find(frame.job, frame.frame, tile.before.tile, first);
     };
@@ -137,20 +139,31 @@ void Scheduler::dropTail(Tables& t, const FrameRow& frame) {
     t.frames.put(*level);
 }
 
-// Adds the tiles' measurements to their levels. A level that all tiles have reached becomes a point of
-// the error curve; of this upload's seconds it is charged the share of samples up to that level, or a
-// lease over several levels would put them all at one time.
+// The level becomes a point of the error curve, and what the frame has reached.
+void Scheduler::completeLevel(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info, LevelRow& level) {
+    const double pixels = static_cast<double>(info.spec.image.width) * info.spec.image.height;
+    if (level.samples > 1) level.relativeError = std::sqrt(level.relativeVariance / pixels);
+    job.droppedSamples += level.droppedSamples - std::min(level.droppedSamples, frame.droppedSamples);
+    frame.droppedSamples = std::max(frame.droppedSamples, level.droppedSamples);
+    dropTail(t, frame);
+    frame.samplesMerged = job.samplesMerged = level.samples;
+    frame.relativeError = job.relativeError = level.relativeError;
+}
+
+// Adds the tiles' measurements to their levels, of those levels that all tiles take. A level that all tiles
+// have reached becomes a point of the error curve; of this upload's seconds it is charged the share of
+// samples up to that level, or a lease over several levels would put them all at one time.
 void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info,
                                const ResultMerge& merge, double secondsBefore) {
     std::map<uint32_t, LevelRow> sums;
     for (const TileMerge& tile : merge.tiles) {
         for (const LevelRow& part : tile.levels) {
+            if (part.samples > info.schedule[info.freeLevels - 1].end()) continue;
             LevelRow& sum = sums[part.samples];
             ++sum.tiles;
             sum.addSums(part);
         }
     }
-    const double pixels = static_cast<double>(info.spec.image.width) * info.spec.image.height;
     const double seconds = frame.deviceSeconds - secondsBefore;
     double total = 0, soFar = 0;
     const auto weight = [&](const LevelRow& sum) {
@@ -171,21 +184,15 @@ void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const Jo
         level.tiles += sum.tiles;
         level.addSums(sum);
         if (level.tiles == frame.tiles) {
-            if (samples > 1) level.relativeError = std::sqrt(level.relativeVariance / pixels);
             level.deviceSeconds = secondsBefore + seconds * soFar / total;
-            job.droppedSamples += level.droppedSamples - std::min(level.droppedSamples, frame.droppedSamples);
-            frame.droppedSamples = std::max(frame.droppedSamples, level.droppedSamples);
-            dropTail(t, frame);
-            frame.samplesMerged = job.samplesMerged = samples;
-            frame.relativeError = job.relativeError = level.relativeError;
+            completeLevel(t, job, frame, info, level);
             t.passes.drop(frame.job, frame.frame, samples);
         }
         t.frames.put(level);
     }
-    if (frame.samplesMerged == info.spec.stop.samples && frame.state == FrameState::active) {
-        frame.state = FrameState::finishing;
-        note(t, job, "frame", frameStateJson(frame));
-    }
+    if (frame.samplesMerged == info.spec.stop.samples && frame.state == FrameState::active &&
+        !info.spec.stop.decidesOnTheWay())
+        finishFrame(t, job, frame, StopReason::samples);
 }
 
 void Scheduler::frameWritten(JobKey key, int32_t number, const std::string& exrSha256, uint64_t exrBytes) {

@@ -23,15 +23,30 @@ struct JobDamage {
     bool none() const { return frames.empty() && stuck.empty() && !job; }
 };
 
-FrameRow countedFrame(const ConstTables& t, const JobInfo& info, FrameRow frame) {
-    const PassCounts rows = t.passes.counts(frame.job, frame.frame);
-    // Rows of complete levels are gone; all of theirs were merged.
+// Rows of complete levels are gone; all of theirs were merged.
+uint64_t goneOf(const FrameRow& frame, const JobInfo& info) {
     uint64_t gone = 0;
     for (const SampleRange& level : info.schedule)
         gone += level.end() <= frame.samplesMerged ? frame.tiles : 0;
+    return gone;
+}
+
+// Where every tile has levels of its own: those in its film, and early ones.
+uint64_t mergedOf(const ConstTables& t, const FrameRow& frame, const JobInfo& info) {
+    uint64_t merged = 0;
+    for (const TileRow& tile : t.frames.tiles(frame.job, frame.frame)) {
+        merged += passesUpTo(info.schedule, tile.mergedSamples);
+        merged += t.passes.heldOf(frame.job, frame.frame, tile.tile).size();
+    }
+    return merged;
+}
+
+FrameRow countedFrame(const ConstTables& t, const JobInfo& info, FrameRow frame) {
+    const PassCounts rows = t.passes.counts(frame.job, frame.frame);
     frame.passesQueued = rows.queued;
     frame.passesLeased = rows.leased;
-    frame.passesMerged = gone + rows.merged;
+    frame.passesMerged =
+        info.spec.stop.decidesOnTheWay() ? mergedOf(t, frame, info) : goneOf(frame, info) + rows.merged;
     return frame;
 }
 
@@ -42,8 +57,7 @@ bool sameCounts(const FrameRow& a, const FrameRow& b) {
 
 // The tail of every stuck job: nothing queued, nothing leased, nothing left to create.
 bool isStuck(const JobInfo& info, const FrameRow& frame) {
-    return frame.samplesMerged < info.spec.stop.samples && frame.levelsCreated == frame.levels &&
-           frame.passesQueued + frame.passesLeased == 0;
+    return frame.levelsCreated == info.freeLevels && frame.passesQueued + frame.passesLeased == 0;
 }
 
 JobDamage damageOf(const ConstTables& t, const JobRow& job, const JobInfo& info) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "shared/film/estimate_json.h"
 
@@ -22,6 +23,11 @@ std::optional<ErrorEstimate> accuracyOf(const LevelRow& level, const ImageSpec& 
     return sums.estimate();
 }
 
+void addStop(json& view, const FrameRow& frame, const StopCondition& stop) {
+    view["stopReason"] = frame.stopReason ? json(toString(*frame.stopReason)) : json();
+    view["stopped"] = frame.stopReason ? json(stopSentence(frame, stop)) : json();
+}
+
 std::optional<ErrorEstimate> addAccuracy(json& view, const ConstTables& t, JobKey job, int32_t frame,
                                          const ImageSpec& image) {
     const std::vector<LevelRow> levels =
@@ -29,9 +35,12 @@ std::optional<ErrorEstimate> addAccuracy(json& view, const ConstTables& t, JobKe
     const auto last =
         std::find_if(levels.rbegin(), levels.rend(), [](const auto& l) { return l.deviceSeconds; });
     json curve = json::array();
+    uint32_t before = 0;
     for (const LevelRow& level : levels) {
-        if (!level.deviceSeconds || (!std::has_single_bit(level.samples) && level.samples != last->samples))
-            continue;
+        if (!level.deviceSeconds) continue;
+        const bool newOctave =
+            std::bit_width(level.samples) > std::bit_width(std::exchange(before, level.samples));
+        if (!newOctave && level.samples != last->samples) continue;
         curve.push_back({{"samples", level.samples},
                          {"relativeError", level.relativeError ? json(*level.relativeError) : json()},
                          {"relativeErrorInterval", intervalJson(accuracyOf(level, image))},

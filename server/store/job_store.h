@@ -61,7 +61,14 @@ struct FrameTable {
     virtual std::optional<TileRow> tile(JobKey job, int32_t frame, uint32_t tile) const = 0;
     virtual std::vector<TileRow> tiles(JobKey job, int32_t frame) const = 0;
     virtual void update(const TileRow& row) = 0;
+    /// What the tiles measured goes with them.
     virtual void dropTiles(JobKey job, int32_t frame) = 0;
+    virtual std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const = 0;
+    /// By tile.
+    virtual std::vector<TileErrorRow> tileErrors(JobKey job, int32_t frame) const = 0;
+    virtual void put(const TileErrorRow& row) = 0;
+    /// Of all frames of the job that have rows.
+    virtual FrameWork work(JobKey job) const = 0;
     virtual std::optional<LevelRow> level(JobKey job, int32_t frame, uint32_t samples) const = 0;
     /// By samples.
     virtual std::vector<LevelRow> levels(JobKey job, int32_t frame) const = 0;
@@ -100,6 +107,8 @@ struct PassTable {
     virtual std::optional<TimePoint> oldestQueued() const = 0;
     /// One queued pass of `level` for each of the tiles [0, tiles).
     virtual void insertLevel(JobKey job, int32_t frame, SampleRange level, uint32_t tiles, TimePoint now) = 0;
+    /// Likewise one for each that is named.
+    virtual void insert(JobKey job, int32_t frame, const std::vector<LeasedPass>& passes, TimePoint now) = 0;
     /// Moves up to `limit` queued passes to leased in one statement; gives them by tile.
     virtual std::vector<LeasedPass> claim(const PassClaim& claim) = 0;
     virtual void update(const PassRow& row) = 0;

@@ -52,6 +52,10 @@ void LevelRow::addSums(const LevelRow& other) {
     droppedSamples += other.droppedSamples;
 }
 
+std::string stopSentence(const FrameRow& frame, const StopCondition& stop) {
+    return frame.stopReason ? sentenceOf(*frame.stopReason, stop, frame.samplesMerged) : std::string();
+}
+
 std::string_view toString(FrameState state) {
     return wordOf(kFrameWords, state);
 }

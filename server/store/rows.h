@@ -7,6 +7,7 @@
 
 #include "shared/clock/clock.h"
 #include "shared/film/error_tail.h"
+#include "shared/film/sample_plan.h"
 #include "shared/job/leased_pass.h"
 #include "shared/job/states.h"
 #include "shared/job/worker_hello.h"
@@ -28,7 +29,7 @@ struct JobRow {
     std::string bodyDigest;      // of the request that made it
     TimePoint created{};
     std::optional<TimePoint> started, finished;
-    uint64_t passes = 0;        // of all frames
+    uint64_t passes = 0;        // of all frames, as far as can be foreseen
     uint64_t passesMerged = 0;  // accepted and durable
     uint64_t passesQueued = 0;  // sums over its frames; the store keeps them, an update passes them over
     uint64_t passesLeased = 0;
@@ -72,13 +73,22 @@ struct FrameRow {
     uint64_t passesMerged = 0;
     uint64_t passesQueued = 0;  // rows in each state
     uint64_t passesLeased = 0;
-    uint32_t samplesMerged = 0;  // least over tiles
+    uint32_t samplesMerged = 0;  // of every pixel; the mean where tiles differ
     std::optional<double> relativeError;
     double deviceSeconds = 0;
     uint64_t droppedSamples = 0;
     uint64_t revision = 0;  // grows with every merge: names a state of the picture
     std::string exrSha256;  // once completed
     uint64_t exrBytes = 0;
+    std::optional<TimePoint> started{};
+    std::optional<StopReason> stopReason{};  // once all is merged
+    uint64_t passes = 0, pixelSamples = 0;   // in all, as far as can be foreseen
+};
+
+/// Work of frames, as far as can be foreseen.
+struct FrameWork {
+    uint64_t passes = 0, pixelSamples = 0;
+    friend bool operator==(const FrameWork&, const FrameWork&) = default;
 };
 
 struct TileRow {
@@ -106,6 +116,20 @@ struct LevelRow {
     /// Adds what further tiles measured.
     void addSums(const LevelRow& other);
     friend bool operator==(const LevelRow&, const LevelRow&) = default;
+};
+
+/// What a tile measures with all that is merged of it, in jobs that decide by it which tiles go on. `pixels`
+/// of its error is not kept: the job says it.
+struct TileErrorRow {
+    JobKey job = 0;
+    int32_t frame = 0;
+    uint32_t tile = 0;
+    TileError error{};
+    // Sums over its pixels, as in LevelRow.
+    double errorSquares = 0, borrowedVariance = 0;
+    ErrorTail errorTail{};
+    uint64_t droppedSamples = 0;
+    friend bool operator==(const TileErrorRow&, const TileErrorRow&) = default;
 };
 
 /// A durable pass that waits for its predecessors: where its pixels lie.
@@ -196,6 +220,9 @@ struct EventRow {
     std::string type;
     std::string json;
 };
+
+/// Why all of the frame is merged, for people; empty while it is not.
+std::string stopSentence(const FrameRow& frame, const StopCondition& stop);
 
 std::string_view toString(FrameState state);
 std::string_view toString(LeaseState state);

@@ -100,11 +100,26 @@ constexpr std::array kFrames{column<&FrameRow::job>("job"),
                              column<&FrameRow::droppedSamples>("dropped_samples"),
                              column<&FrameRow::revision>("revision"),
                              column<&FrameRow::exrSha256>("exr_sha256"),
-                             column<&FrameRow::exrBytes>("exr_bytes")};
+                             column<&FrameRow::exrBytes>("exr_bytes"),
+                             column<&FrameRow::started>("started"),
+                             column<&FrameRow::stopReason>("stop_reason"),
+                             column<&FrameRow::passes>("passes"),
+                             column<&FrameRow::pixelSamples>("pixel_samples")};
 
 constexpr std::array kTiles{column<&TileRow::job>("job"), column<&TileRow::frame>("frame"),
                             column<&TileRow::tile>("tile"), column<&TileRow::slot>("slot"),
                             column<&TileRow::mergedSamples>("merged_samples")};
+
+constexpr std::array kTileErrors{column<&TileErrorRow::job>("job"),
+                                 column<&TileErrorRow::frame>("frame"),
+                                 column<&TileErrorRow::tile>("tile"),
+                                 column<&TileErrorRow::error, &TileError::samples>("samples"),
+                                 column<&TileErrorRow::error, &TileError::variance>("relative_variance"),
+                                 column<&TileErrorRow::error, &TileError::earlier>("earlier_variance"),
+                                 column<&TileErrorRow::errorSquares>("error_squares"),
+                                 column<&TileErrorRow::borrowedVariance>("borrowed_variance"),
+                                 column<&TileErrorRow::errorTail>("error_tail"),
+                                 column<&TileErrorRow::droppedSamples>("dropped_samples")};
 
 constexpr std::array kLevels{column<&LevelRow::job>("job"),
                              column<&LevelRow::frame>("frame"),
@@ -185,6 +200,10 @@ std::span<const Column<FrameRow>> columnsOf() {
 template <>
 std::span<const Column<TileRow>> columnsOf() {
     return kTiles;
+}
+template <>
+std::span<const Column<TileErrorRow>> columnsOf() {
+    return kTileErrors;
 }
 template <>
 std::span<const Column<LevelRow>> columnsOf() {

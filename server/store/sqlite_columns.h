@@ -25,6 +25,8 @@ std::span<const Column<FrameRow>> columnsOf();
 template <>
 std::span<const Column<TileRow>> columnsOf();
 template <>
+std::span<const Column<TileErrorRow>> columnsOf();
+template <>
 std::span<const Column<LevelRow>> columnsOf();
 template <>
 std::span<const Column<PassRow>> columnsOf();

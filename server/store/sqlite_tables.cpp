@@ -120,6 +120,20 @@ struct Frames : FrameTable {
     void update(const TileRow& row) override { c.query(sql::frames::updateTile).setRow(row).run(); }
     void dropTiles(JobKey job, int32_t frame) override {
         c.query(sql::frames::dropTiles).set(":job", job).set(":frame", frame).run();
+        c.query(sql::frames::dropTileErrors).set(":job", job).set(":frame", frame).run();
+    }
+    std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const override {
+        auto q = c.query(sql::frames::tileError);
+        return q.set(":job", job).set(":frame", frame).set(":tile", tile).first<TileErrorRow>();
+    }
+    std::vector<TileErrorRow> tileErrors(JobKey job, int32_t frame) const override {
+        return c.query(sql::frames::tileErrors).set(":job", job).set(":frame", frame).all<TileErrorRow>();
+    }
+    void put(const TileErrorRow& row) override { c.query(sql::frames::putTileError).setRow(row).run(); }
+    FrameWork work(JobKey job) const override {
+        auto q = c.query(sql::frames::work);
+        q.set(":job", job).next();
+        return {.passes = q.value<uint64_t>("passes"), .pixelSamples = q.value<uint64_t>("pixel_samples")};
     }
 
     std::optional<LevelRow> level(JobKey job, int32_t frame, uint32_t samples) const override {
@@ -173,6 +187,13 @@ struct Passes : PassTable {
         auto q = c.query(sql::passes::insertLevel);
         q.set(":job", job).set(":frame", frame).set(":tiles", tiles).set(":now", now);
         q.set(":first_sample", level.first).set(":samples", level.count).run();
+    }
+    void insert(JobKey job, int32_t frame, const std::vector<LeasedPass>& passes, TimePoint now) override {
+        for (const LeasedPass& pass : passes) {
+            auto q = c.query(sql::passes::insert);
+            q.set(":job", job).set(":frame", frame).set(":tile", pass.tile).set(":now", now);
+            q.set(":first_sample", pass.samples.first).set(":samples", pass.samples.count).run();
+        }
     }
     std::vector<LeasedPass> claim(const PassClaim& claim) override {
         auto q = c.query(sql::passes::claim);

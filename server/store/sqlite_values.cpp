@@ -39,6 +39,9 @@ void readValue(const SQLite::Column& from, WorkerState& to) {
 void readValue(const SQLite::Column& from, Loss& to) {
     to = lossFrom(from.getString());
 }
+void readValue(const SQLite::Column& from, StopReason& to) {
+    to = stopReasonFrom(from.getString());
+}
 void readValue(const SQLite::Column& from, std::vector<std::string>& to) {
     to = splitLines(from.getString());
 }

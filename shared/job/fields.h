@@ -46,7 +46,8 @@ void describe(Visitor& v, Is<ImageSpec> auto& image) {
         {"height", "height, pixels; if not given, computed from the width and the camera's aspect ratio"},
         image.height, {1, 32768});
     v.integer({"tileSize",
-               "side of the square tiles that workers render, pixels; the picture is the same for any size"},
+               "side of the square tiles that workers render, pixels; the picture is the same for any size, "
+               "but for stop.relativeError, which decides tile by tile"},
               image.tileSize, {8, 1024, 8});
 }
 
@@ -162,7 +163,25 @@ void describe(Visitor& v, Is<RenderSettings> auto& settings) {
 
 template <typename Visitor>
 void describe(Visitor& v, Is<StopCondition> auto& stop) {
-    v.integer({"samples", "samples per pixel"}, stop.samples, {1, 1 << 24});
+    v.givenInteger({"samples",
+                    "most samples per pixel; if not given, 64, or 65536 where there is an error target or a "
+                    "time limit"},
+                   stop.samples, {1, 1 << 24});
+    v.number({"relativeError",
+              "error target: a frame is complete once its estimated relative error is no larger, and samples "
+              "go to the tiles that hold the error; 0: none. The same job gives the same picture"},
+             stop.relativeError, {0, 1e6});
+    v.integer({"minSamples", "samples per pixel that come before the first look at the error target"},
+              stop.minSamples, {1, 1 << 24});
+    v.number({"deviceSeconds",
+              "time limit: device seconds of a frame, of all workers together; 0: none. How many samples fit "
+              "in differs from run to run"},
+             stop.deviceSeconds, {0, 1e9});
+    v.number(
+        {"wallSeconds",
+         "time limit: seconds since a frame was begun; 0: none. How many samples fit in differs from run "
+         "to run"},
+        stop.wallSeconds, {0, 1e9});
 }
 
 template <typename Visitor>

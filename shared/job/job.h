@@ -24,10 +24,21 @@ struct SceneBundle {
     friend bool operator==(const SceneBundle&, const SceneBundle&) = default;
 };
 
+/// A frame is complete at whichever of these comes first; 0 is none. They are looked at between pass levels,
+/// so that every picture is one of a sequence that the job fixes.
 struct StopCondition {
-    uint32_t samples = 64;  // per pixel
+    uint32_t samples = 0;      // most per pixel; 0: open until jobFromJson settles it
+    double relativeError = 0;  // of the frame, as estimated
+    uint32_t minSamples = 16;  // that every pixel gets before an estimate of the error counts
+    double deviceSeconds = 0, wallSeconds = 0;  // of the frame
+
+    bool hasTimeLimit() const { return deviceSeconds > 0 || wallSeconds > 0; }
+    /// Whether it depends on what is merged so far which passes are rendered next.
+    bool decidesOnTheWay() const { return relativeError > 0 || hasTimeLimit(); }
     friend bool operator==(const StopCondition&, const StopCondition&) = default;
 };
+/// Of a job that does not say how many: alone, and beside another condition.
+inline constexpr uint32_t kUsualSamples = 64, kUsualMostSamples = 65536;
 
 struct JobSpec {
     std::string name;

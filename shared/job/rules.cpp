@@ -157,6 +157,11 @@ void settleFrames(FrameSet& frames, Faults& faults) {
     frames = listed;
 }
 
+void settleStop(StopCondition& stop, Faults& faults) {
+    if (stop.samples != 0 || faults.at("/stop")) return;
+    stop.samples = stop.decidesOnTheWay() ? kUsualMostSamples : kUsualSamples;
+}
+
 void checkJob(const JobSpec& job, Faults& faults) {
     checkScenePath(job.scene, job.scene.entry, "/scene/entry", {".gltf", ".glb"}, faults);
     checkScenePath(job.scene, job.scene.environment, "/scene/environment",

@@ -13,6 +13,8 @@ class Faults;
 void checkJob(const JobSpec& job, Faults& faults);
 /// Gives first, count and step of frames that are named by a list; a fault where they were given otherwise.
 void settleFrames(FrameSet& frames, Faults& faults);
+/// Gives a stop condition that names no samples its usual most.
+void settleStop(StopCondition& stop, Faults& faults);
 void checkAppearance(const MaterialOverride& material, const std::string& pointer, Faults& faults);
 
 }  // namespace tilefarm

@@ -19,6 +19,7 @@ T readAll(const json& source, const char* what, JsonReader::Unknown unknown = Js
     JsonReader::read(source, "", faults, value, unknown);
     if constexpr (std::same_as<T, JobSpec>) {
         settleFrames(value.frames, faults);
+        settleStop(value.stop, faults);
         checkJob(value, faults);
     }
     faults.throwIfAny(ErrorCode::invalidArgument, what);
@@ -29,6 +30,9 @@ T readAll(const json& source, const char* what, JsonReader::Unknown unknown = Js
 
 JobSpec jobFromJson(const json& source) {
     return readAll<JobSpec>(source, "the job");
+}
+StopCondition stopFromJson(const json& source) {
+    return readAll<StopCondition>(source, "the stop condition");
 }
 json toJson(const JobSpec& spec) {
     return JsonWriter::write(spec);

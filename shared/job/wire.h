@@ -24,6 +24,8 @@ nlohmann::json parseJson(std::string_view text, const JsonRules& rules = {});
 /// Members that may be left out take the defaults of JobSpec. Frames that a list names have the first and the
 /// count that follow from it.
 JobSpec jobFromJson(const nlohmann::json& json);
+/// The member `stop` of a job by itself.
+StopCondition stopFromJson(const nlohmann::json& json);
 /// Canonical: every member, also those at their default; but for what has none, like a size that is open.
 nlohmann::json toJson(const JobSpec& spec);
 /// JSON Schema (2020-12) of what jobFromJson accepts, for openapi.json and the README.

@@ -268,10 +268,12 @@ TEST_P(JobStoreContract, KeepsTheTotalsOfEveryState) {
         row.passesMerged = 7;
         row.state = JobState::running;
         t.jobs.update(row);
+        row.passes = 80;  // a job that decides on the way needs fewer
+        t.jobs.update(row);
     });
     read([&](const ConstTables& t) {
         const auto totals = t.jobs.totals();
-        EXPECT_EQ(totals.at(JobState::running), (JobTotals{1, 100, 7, 5, 2}));
+        EXPECT_EQ(totals.at(JobState::running), (JobTotals{1, 80, 7, 5, 2}));
         EXPECT_EQ(totals.at(JobState::queued), (JobTotals{1, 100, 0, 0, 0}));
         EXPECT_EQ(t.jobs.oldestQueued(), kNow);
     });
@@ -433,6 +435,70 @@ TEST_P(JobStoreContract, MakesTilesWithTheFrameAndNeverLosesTheirSamples) {
     });
     write([&](Tables& t) { t.frames.dropTiles(job, 0); });
     read([&](const ConstTables& t) { EXPECT_TRUE(t.frames.tiles(job, 0).empty()); });
+}
+
+TEST_P(JobStoreContract, KeepsWhatTilesMeasure) {
+    const JobKey job = addFrame(3);
+    TileErrorRow row{
+        .job = job, .frame = 0, .tile = 2, .error = {.samples = 8, .variance = 0.5, .earlier = 0.25}};
+    row.errorSquares = 3;
+    row.borrowedVariance = 0.125;
+    row.errorTail.add(WorstPixel{3, 4, 0.1});
+    row.droppedSamples = 5;
+    write([&](Tables& t) {
+        t.frames.put(row);
+        t.frames.put(TileErrorRow{.job = job, .frame = 0, .tile = 0, .error = {.samples = 4}});
+        row.error.samples = 16;
+        t.frames.put(row);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.frames.tileError(job, 0, 2), row);
+        EXPECT_FALSE(t.frames.tileError(job, 0, 1));
+        ASSERT_EQ(t.frames.tileErrors(job, 0).size(), 2u);
+        EXPECT_EQ(t.frames.tileErrors(job, 0)[0].tile, 0u);
+        EXPECT_EQ(t.frames.tileErrors(job, 0)[1], row);
+    });
+    write([&](Tables& t) { t.frames.dropTiles(job, 0); });
+    read([&](const ConstTables& t) { EXPECT_TRUE(t.frames.tileErrors(job, 0).empty()); });
+}
+
+TEST_P(JobStoreContract, SumsUpTheWorkOfFrames) {
+    const JobKey job = addFrame(1);
+    write([&](Tables& t) {
+        EXPECT_EQ(t.frames.work(job + 1), FrameWork{});
+        FrameRow frame = *t.frames.find(job, 0);
+        frame.passes = 7;
+        frame.pixelSamples = 700;
+        frame.stopReason = StopReason::wallSeconds;
+        t.frames.update(frame);
+        frame.frame = 1;
+        frame.started = kNow;
+        frame.passes = 1;
+        t.frames.insert(frame);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.frames.work(job), (FrameWork{.passes = 8, .pixelSamples = 1400}));
+        EXPECT_EQ(t.frames.find(job, 0)->stopReason, StopReason::wallSeconds);
+        EXPECT_EQ(t.frames.find(job, 1)->started, kNow);
+    });
+}
+
+TEST_P(JobStoreContract, QueuesThePassesThatAreNamed) {
+    const JobKey job = addFrame(3);
+    write([&](Tables& t) {
+        t.passes.drop(job, 0);
+        t.passes.insert(job, 0, {{0, {8, 8}}, {2, {4, 4}}}, kNow);
+    });
+    read([&](const ConstTables& t) {
+        EXPECT_EQ(t.passes.lowestQueued(job, 0, 0), 4u);
+        EXPECT_EQ(t.passes.find(job, 0, 0, 8)->samples, (SampleRange{8, 8}));
+        EXPECT_FALSE(t.passes.find(job, 0, 1, 8));
+    });
+    EXPECT_EQ(counts(job), (PassCounts{.queued = 2}));
+    EXPECT_EQ(codeOf([&] { write([&](Tables& t) {
+                               t.passes.insert(job, 0, {{2, {4, 4}}}, kNow);
+                           }); }),
+              ErrorCode::conflict);
 }
 
 TEST_P(JobStoreContract, ListsFramesByJobAndState) {

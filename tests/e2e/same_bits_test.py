@@ -44,6 +44,30 @@ class CornellBox(FarmTest):
             self.assertGreater(len(took_part), 1, "the job was too small to tell")
 
 
+class ErrorTarget(FarmTest):
+    def test_one_worker_three_workers_and_none(self):
+        target = dict(width=120, height=90, tile_size=16, relative_error=0.35, min_samples=8, samples=512)
+        here, report = self.render_here(DATA / "cornell.gltf", **target)
+        self.assertEqual(report["stopReason"], "relativeError")
+        self.assertRegex(report["stopped"], r"^error target of 0.35 reached at \d+ samples per pixel$")
+        self.assertLessEqual(report["relativeError"], 0.35)
+        self.assertLess(report["samples"], 512 * 120 * 90)
+
+        self.start_server()
+        for workers in (1, 2):
+            self.start_workers(workers)
+            with self.subTest(f"{len(self.programs) - 1} workers"):
+                job = self.submit(DATA / "cornell.gltf", **target)
+                view = self.wait_for_end(job)
+                self.assert_same_bits(self.download(job), here)
+                self.assertEqual(view["stopped"], report["stopped"])
+                self.assertEqual(view["samplesMerged"], report["samplesPerPixel"])
+                self.assertEqual(view["progress"]["fraction"], 1)
+                self.assertAlmostEqual(view["relativeError"], report["relativeError"], places=12)
+                self.assertEqual([p["samples"] for p in view["errorCurve"]],
+                                 [p["samples"] for p in report["errorCurve"]])
+
+
 class DemoScene(FarmTest):
     def test_textures_glass_and_environment_too(self):
         demo = DATA / "demo" / "demo.glb"

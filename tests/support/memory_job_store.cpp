@@ -115,6 +115,7 @@ struct Frames : FrameTable {
     std::map<FrameKey, FrameRow> rows;
     std::map<TileKey, TileRow> tileRows;
     std::map<TileKey, LevelRow> levelRows;  // by samples
+    std::map<TileKey, TileErrorRow> errorRows;
 
     std::optional<FrameRow> find(JobKey job, int32_t frame) const override {
         const auto at = rows.find({job, frame});
@@ -168,8 +169,33 @@ struct Frames : FrameTable {
         old = row;
     }
     void dropTiles(JobKey job, int32_t frame) override {
-        std::erase_if(tileRows,
-                      [&](const auto& at) { return at.second.job == job && at.second.frame == frame; });
+        const auto ofFrame = [&](const auto& at) { return at.second.job == job && at.second.frame == frame; };
+        std::erase_if(tileRows, ofFrame);
+        std::erase_if(errorRows, ofFrame);
+    }
+    std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const override {
+        const auto at = errorRows.find({job, frame, tile});
+        return at == errorRows.end() ? std::nullopt : std::optional(at->second);
+    }
+    std::vector<TileErrorRow> tileErrors(JobKey job, int32_t frame) const override {
+        std::vector<TileErrorRow> found;
+        for (auto at = errorRows.lower_bound({job, frame, 0});
+             at != errorRows.end() && at->second.job == job && at->second.frame == frame; ++at) {
+            found.push_back(at->second);
+        }
+        return found;
+    }
+    void put(const TileErrorRow& row) override {
+        errorRows[{row.job, row.frame, row.tile}] = row;
+        errorRows[{row.job, row.frame, row.tile}].error.pixels = 0;
+    }
+    FrameWork work(JobKey job) const override {
+        FrameWork sum;
+        for (const FrameRow& row : list(job)) {
+            sum.passes += row.passes;
+            sum.pixelSamples += row.pixelSamples;
+        }
+        return sum;
     }
     std::optional<LevelRow> level(JobKey job, int32_t frame, uint32_t samples) const override {
         const auto at = levelRows.find({job, frame, samples});
@@ -351,6 +377,18 @@ struct Passes : PassTable {
             const PassRow row{
                 .job = job, .frame = frame, .tile = tile, .samples = level, .held = {}, .queuedAt = now};
             if (!rows.emplace(PassKey{job, frame, level.first, tile}, row).second) refuse("the pass exists");
+        }
+    }
+    void insert(JobKey job, int32_t frame, const std::vector<LeasedPass>& passes, TimePoint now) override {
+        for (const LeasedPass& pass : passes) {
+            const PassRow row{.job = job,
+                              .frame = frame,
+                              .tile = pass.tile,
+                              .samples = pass.samples,
+                              .held = {},
+                              .queuedAt = now};
+            if (!rows.emplace(PassKey{job, frame, pass.samples.first, pass.tile}, row).second)
+                refuse("the pass exists");
         }
     }
     /// Whether the worker should not get a pass because it failed it and others have not yet tried.

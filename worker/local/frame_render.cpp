@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "shared/error/error.h"
 
@@ -26,42 +29,79 @@ public:
           begin_(clock.now()),
           before_(backend.stats()),
           grid_(spec.image),
+          schedule_(passSchedule(spec.stop.samples)),
           bytesPerPixel_(sizeof(PassPixel) + filmLayoutOf(spec).floats() * sizeof(float)) {
-        for (uint32_t tile = 0; tile < grid_.count(); ++tile)
+        for (uint32_t tile = 0; tile < grid_.count(); ++tile) {
             result_.tiles.emplace_back(grid_.rect(tile), filmLayoutOf(spec));
+            errors_.push_back({.pixels = grid_.rect(tile).area()});
+        }
+        sums_.resize(grid_.count());
         progress_.samplesInAll = uint64_t{spec.image.width} * spec.image.height * spec.stop.samples;
     }
 
     RenderedFrame run() {
-        for (const SampleRange samples : passSchedule(spec_.stop.samples)) renderLevel(samples);
+        std::vector<uint32_t> all(grid_.count());
+        std::iota(all.begin(), all.end(), 0);
+        const uint32_t free = freeLevels(spec_.stop, schedule_);
+        for (uint32_t level = 0; level < free; ++level) {
+            decides_ = spec_.stop.decidesOnTheWay() && level + 1 == free;
+            renderTiles(schedule_[level], all, true);
+        }
+        while (!promoted_.empty()) renderRound(std::exchange(promoted_, {}));
         result_.stats = stats();
         result_.seconds = seconds();
         return std::move(result_);
     }
 
 private:
-    void renderLevel(SampleRange samples) {
-        for (uint32_t first = 0; first < grid_.count();) {
-            std::vector<uint32_t> tiles(tilesOfCall(first, samples));
-            std::iota(tiles.begin(), tiles.end(), first);
-            first += static_cast<uint32_t>(tiles.size());
-            merge(backend_.render(frame_, tiles, samples), tiles);
-            if (first == grid_.count()) addPoint(samples.end());
-            report(first == grid_.count());
+    // The next pass of each of the tiles, which may be of different levels.
+    void renderRound(const std::vector<uint32_t>& tiles) {
+        std::map<uint32_t, std::vector<uint32_t>> bySamples;
+        for (const uint32_t tile : tiles) bySamples[errors_[tile].samples].push_back(tile);
+        size_t left = bySamples.size();
+        for (const auto& [samples, some] : bySamples)
+            renderTiles(*nextPass(schedule_, samples), some, --left == 0);
+    }
+
+    void renderTiles(SampleRange samples, std::span<const uint32_t> tiles, bool endsRound) {
+        while (!tiles.empty()) {
+            const size_t count = tilesOfCall(tiles, samples);
+            const std::vector<uint32_t> some(tiles.begin(),
+                                             tiles.begin() + static_cast<std::ptrdiff_t>(count));
+            tiles = tiles.subspan(count);
+            merge(backend_.render(frame_, some, samples), some);
+            const bool whole = endsRound && tiles.empty();
+            if (whole) addPoint();
+            if (whole && decides_) decideNext();
+            report(whole);
         }
     }
 
+    void decideNext() {
+        SampleDecision next = decide(spec_.stop, schedule_, errors_, {stats().deviceSeconds, seconds()});
+        progress_.samplesInAll = next.pixelSamples;
+        result_.stopReason = next.stop.value_or(result_.stopReason);
+        auto promoted = next.tiles.begin();
+        for (uint32_t tile = 0; tile < grid_.count(); ++tile)
+            if (promoted != next.tiles.end() && *promoted == tile)
+                ++promoted;
+            else
+                errors_[tile].rest();
+        promoted_ = std::move(next.tiles);
+    }
+
     // How many tiles go into one call does not change their bits.
-    size_t tilesOfCall(uint32_t first, SampleRange samples) const {
+    size_t tilesOfCall(std::span<const uint32_t> tiles, SampleRange samples) const {
         const double pace = seconds() > 0 ? static_cast<double>(progress_.samplesDone) / seconds() : 0;
         const double most = pace > 0 ? std::max(pace * kSecondsPerCall, 1.0) : 1e6;
         uint64_t pixels = 0;
         size_t count = 0;
-        for (uint32_t tile = first; tile < grid_.count(); ++tile, ++count) {
+        for (const uint32_t tile : tiles) {
             pixels += grid_.rect(tile).area();
             if (count > 0 && (pixels * bytesPerPixel_ > kMostBytesPerCall ||
                               static_cast<double>(pixels * samples.count) > most))
                 break;
+            ++count;
         }
         return count;
     }
@@ -70,22 +110,28 @@ private:
         if (films.size() != tiles.size())
             throw Error(ErrorCode::internal, "the device gave another number of tiles than it was asked for");
         for (size_t i = 0; i < films.size(); ++i) {
-            result_.tiles[tiles[i]].merge(films[i]);
+            FilmTile& tile = result_.tiles[tiles[i]];
+            tile.merge(films[i]);
+            ErrorSums& sums = sums_[tiles[i]] = {};
+            sums.add(tile);
+            errors_[tiles[i]].reach(tile.mergedSamples, sums.relativeVariance);
             progress_.samplesDone += films[i].rect.area() * films[i].samples.count;
         }
     }
 
-    // The curve has the powers of two and the end, as the server's.
-    void addPoint(uint32_t samples) {
+    // The curve has the first point at or after each power of two and the end, as the server's.
+    void addPoint() {
         ErrorSums sums;
-        for (const FilmTile& tile : result_.tiles) sums.add(tile);
+        for (const ErrorSums& tile : sums_) sums.add(tile);
+        const uint32_t samples = meanSamples(errors_);
+        const bool newOctave = std::bit_width(samples) > std::bit_width(progress_.last.samples);
         progress_.last = {samples, std::nullopt, stats().deviceSeconds, std::nullopt};
         if (samples > 1) {
             progress_.last.relativeError = sums.relativeError();
             progress_.last.estimate = sums.estimate();
         }
-        if (std::has_single_bit(samples) || samples == spec_.stop.samples)
-            result_.errorCurve.push_back(progress_.last);
+        if (!std::exchange(lastPointStays_, newOctave)) result_.errorCurve.pop_back();
+        result_.errorCurve.push_back(progress_.last);
     }
 
     void report(bool wholeLevel) {
@@ -124,7 +170,13 @@ private:
     const TimePoint begin_;
     const RenderStats before_;
     const TileGrid grid_;
+    const std::vector<SampleRange> schedule_;
     const uint64_t bytesPerPixel_;
+    std::vector<TileError> errors_;  // of the tiles, as the next two
+    std::vector<ErrorSums> sums_;
+    std::vector<uint32_t> promoted_;  // ascending: these get a further pass
+    bool decides_ = false;            // the levels that every tile gets are done
+    bool lastPointStays_ = true;      // of the curve, when there is a further one
     FrameProgress progress_;
     RenderedFrame result_;
 };

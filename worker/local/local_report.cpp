@@ -84,6 +84,10 @@ json curveJson(const RenderedFrame& frame) {
     return curve;
 }
 
+uint32_t samplesOf(const RenderedFrame& frame) {
+    return frame.errorCurve.empty() ? 0 : frame.errorCurve.back().samples;
+}
+
 double perSecond(uint64_t count, double seconds) {
     return seconds > 0 ? static_cast<double>(count) / seconds : 0;
 }
@@ -127,7 +131,9 @@ json localReport(const JobSpec& spec, const DeviceName& device, const PreparedSc
         {"droppedSamples", stats.droppedSamples},
         {"numerics", numericsJson(spec, frame)},
         {"notices", notices},
-        {"samplesPerPixel", spec.stop.samples},
+        {"samplesPerPixel", samplesOf(frame)},
+        {"stopReason", toString(frame.stopReason)},
+        {"stopped", sentenceOf(frame.stopReason, spec.stop, samplesOf(frame))},
         {"relativeError", frame.errorCurve.empty() ? json() : maybe(frame.errorCurve.back().relativeError)},
         {"relativeErrorInterval", intervalJson(accuracy)},
         {"errorTail", tailJson(accuracy)},
@@ -142,14 +148,15 @@ ImageAttributes localAttributes(const JobSpec& spec, const DeviceName& device, c
             {"frame", fmt::to_string(spec.frames.first)},
             {"scene", sha256Hex(specJson.at("scene").dump())},
             {"settings", specJson.dump()},
-            {"samples", fmt::to_string(spec.stop.samples)},
+            {"samples", fmt::to_string(samplesOf(frame))},
             {"devices", device.name},
             {"drivers", device.driver},
             {"deviceSeconds", fmt::format("{:.6f}", frame.stats.deviceSeconds)},
             {"droppedSamples", fmt::to_string(frame.stats.droppedSamples)},
             {"relativeError", known ? fmt::format("{:.6f}", *curve.back().relativeError) : ""},
             {"renderer", "Tilefarm " TILEFARM_VERSION},
-            {"state", "complete"}};
+            {"state", "complete"},
+            {"stopped", sentenceOf(frame.stopReason, spec.stop, samplesOf(frame))}};
 }
 
 }  // namespace tilefarm

@@ -112,6 +112,9 @@ void renderOne(const LocalRender& render, JobSpec spec, int32_t number, RenderBa
     ProgressLine line(progress);
     const RenderedFrame frame =
         renderFrame(device, spec, number, clock, [&](const FrameProgress& p) { line.show(p); });
+    if (spec.stop.decidesOnTheWay())
+        fmt::print(progress, "{}\n",
+                   sentenceOf(frame.stopReason, spec.stop, frame.errorCurve.back().samples));
     if (frame.stats.droppedSamples > 0)
         fmt::print(progress, "warning: {} samples were NaN or infinite and were dropped\n",
                    frame.stats.droppedSamples);
@@ -146,7 +149,7 @@ void runLocalRender(const LocalRender& render, const std::function<std::unique_p
     JobSpec spec = render.spec;
     spec.scene = bundleOf(render.files, spec.strict);
     spec.image = pictureSize(bytesOfGltf(readWhole(render.files.entry)), spec);
-    jobFromJson(toJson(spec));  // the rules between members, now that its size is known
+    spec = jobFromJson(toJson(spec));  // the rules between members, now that its size is known
 
     const auto device = backend();
     const PreparedScene scene = device->prepare(spec, render.files);

@@ -21,10 +21,12 @@ SELECT count(*) AS frames FROM frames INDEXED BY frames_by_state WHERE state = '
 -- name: insert
 INSERT INTO frames (
     job, frame, state, levels, levels_created, tiles, passes_merged, passes_queued, passes_leased,
-    samples_merged, relative_error, device_seconds, dropped_samples, revision, exr_sha256, exr_bytes)
+    samples_merged, relative_error, device_seconds, dropped_samples, revision, exr_sha256, exr_bytes,
+    started, stop_reason, passes, pixel_samples)
 VALUES (
     :job, :frame, :state, :levels, :levels_created, :tiles, :passes_merged, :passes_queued, :passes_leased,
-    :samples_merged, :relative_error, :device_seconds, :dropped_samples, :revision, :exr_sha256, :exr_bytes);
+    :samples_merged, :relative_error, :device_seconds, :dropped_samples, :revision, :exr_sha256, :exr_bytes,
+    :started, :stop_reason, :passes, :pixel_samples);
 
 -- name: update
 UPDATE frames SET
@@ -32,8 +34,13 @@ UPDATE frames SET
     passes_queued = :passes_queued, passes_leased = :passes_leased, samples_merged = :samples_merged,
     relative_error = :relative_error, device_seconds = :device_seconds,
     dropped_samples = :dropped_samples, revision = :revision,
-    exr_sha256 = :exr_sha256, exr_bytes = :exr_bytes
+    exr_sha256 = :exr_sha256, exr_bytes = :exr_bytes,
+    stop_reason = :stop_reason, passes = :passes, pixel_samples = :pixel_samples
  WHERE job = :job AND frame = :frame;
+
+-- name: work
+SELECT coalesce(sum(passes), 0) AS passes, coalesce(sum(pixel_samples), 0) AS pixel_samples
+  FROM frames WHERE job = :job;
 
 -- name: insertTiles
 WITH RECURSIVE t(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM t WHERE i + 1 < :tiles)
@@ -51,6 +58,23 @@ UPDATE tiles SET slot = :slot, merged_samples = :merged_samples
 
 -- name: dropTiles
 DELETE FROM tiles WHERE job = :job AND frame = :frame;
+
+-- name: tileError
+SELECT * FROM tile_errors WHERE job = :job AND frame = :frame AND tile = :tile;
+
+-- name: tileErrors
+SELECT * FROM tile_errors WHERE job = :job AND frame = :frame ORDER BY tile;
+
+-- name: putTileError
+INSERT OR REPLACE INTO tile_errors (
+    job, frame, tile, samples, relative_variance, earlier_variance, error_squares, borrowed_variance, error_tail,
+    dropped_samples)
+VALUES (
+    :job, :frame, :tile, :samples, :relative_variance, :earlier_variance, :error_squares, :borrowed_variance,
+    :error_tail, :dropped_samples);
+
+-- name: dropTileErrors
+DELETE FROM tile_errors WHERE job = :job AND frame = :frame;
 
 -- name: level
 SELECT * FROM levels WHERE job = :job AND frame = :frame AND samples = :samples;

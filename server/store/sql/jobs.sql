@@ -49,7 +49,8 @@ VALUES (
 -- name: update
 UPDATE jobs SET
     state = :state, priority = :priority, started = :started, finished = :finished,
-    passes_merged = :passes_merged, pixel_samples_merged = :pixel_samples_merged,
+    passes = :passes, passes_merged = :passes_merged,
+    pixel_samples = :pixel_samples, pixel_samples_merged = :pixel_samples_merged,
     frames_started = :frames_started, frames_done = :frames_done, samples_merged = :samples_merged,
     relative_error = :relative_error, device_seconds = :device_seconds,
     dropped_samples = :dropped_samples, faults = :faults, rejected_paths = :rejected_paths,

@@ -35,6 +35,10 @@ WITH RECURSIVE t(i) AS (SELECT 0 UNION ALL SELECT i + 1 FROM t WHERE i + 1 < :ti
 INSERT INTO passes (job, frame, first_sample, tile, samples, state, epoch, held_file, held_offset, queued_at)
 SELECT :job, :frame, :first_sample, i, :samples, 'queued', 0, NULL, NULL, :now FROM t;
 
+-- name: insert
+INSERT INTO passes (job, frame, first_sample, tile, samples, state, epoch, held_file, held_offset, queued_at)
+VALUES (:job, :frame, :first_sample, :tile, :samples, 'queued', 0, NULL, NULL, :now);
+
 -- name: claim
 UPDATE passes SET state = 'leased', epoch = :epoch
  WHERE job = :job AND frame = :frame AND first_sample = :first_sample AND tile IN (

@@ -41,6 +41,16 @@ TEST_F(ApiTest, MakesAJobAndShowsIt) {
     EXPECT_EQ(get("/v1/jobs/none")->status, 404);
 }
 
+TEST_F(ApiTest, ShowsAJobWhoseSceneHasFurtherFiles) {
+    JobSpec further = spec();
+    further.scene.files["sky.hdr"] = further.scene.files.at("a.glb");
+    further.scene.environment = "sky.hdr";
+    const auto made = post("/v1/jobs", toJson(further));
+    ASSERT_EQ(made->status, 201) << made->body;
+    EXPECT_EQ(jobFromJson(parsed(made)["spec"]), further);
+    EXPECT_EQ(parsed(get("/v1/jobs"))["jobs"].size(), 1u);
+}
+
 TEST_F(ApiTest, ListsEveryFaultOfAJobWithItsPlace) {
     json body = toJson(spec());
     body["image"]["width"] = 0;

@@ -23,6 +23,26 @@ TEST(SqliteSchema, KeepsWhatIsThereOnASecondOpen) {
 }
 
 // The database of each version there was, with a job in it, opened by this program.
+constexpr int kSpecsApart = 9;  // the first version with the text of a job in a table of its own
+
+// A job with one frame, as a program of that schema wrote it.
+void insertJob(SQLite::Database& old, int version) {
+    const std::string spec = R"('{"scene":{"entry":"a","files":{"a":"1","b":"2"}}}')";
+    const bool apart = version >= kSpecsApart;
+    old.exec(
+        "INSERT INTO jobs (id, state, priority, body_digest, created, passes, passes_merged, pixel_samples, "
+        "pixel_samples_merged, frames, frames_started, frames_done, samples_merged, device_seconds, "
+        "dropped_samples, faults, " +
+        std::string(apart ? "outline" : "spec") +
+        ") VALUES ('a', 'running', 50, '', 0, 9, 3, 90, 30, 1, 1, 0, 0, 1.5, 0, 'one' || char(10), " +
+        (apart ? R"('{"scene":{"entry":"a","files":{"a":"1"}}}')" : spec) + ")");
+    if (apart) old.exec("INSERT INTO specs VALUES (1, " + spec + ")");
+    old.exec(
+        "INSERT INTO frames (job, frame, state, levels, levels_created, tiles, passes_merged, passes_queued, "
+        "passes_leased, samples_merged, device_seconds, dropped_samples, revision, exr_sha256, exr_bytes) "
+        "VALUES (1, 0, 'active', 1, 1, 9, 3, 4, 2, 0, 0, 0, 0, '', 0)");
+}
+
 TEST(SqliteSchema, TakesOverADatabaseOfEveryOlderProgram) {
     for (int version = 1; version < newestSchemaVersion(); ++version) {
         const TemporaryFolder folder;
@@ -30,15 +50,7 @@ TEST(SqliteSchema, TakesOverADatabaseOfEveryOlderProgram) {
             SQLite::Database old(folder / "db", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
             migrate(old, version);
             EXPECT_EQ(old.execAndGet("PRAGMA user_version").getInt(), version);
-            old.exec(
-                "INSERT INTO jobs (id, state, priority, spec, body_digest, created, passes, passes_merged, "
-                "pixel_samples, pixel_samples_merged, frames, frames_started, frames_done, samples_merged, "
-                "device_seconds, dropped_samples, faults) "
-                "VALUES ('a', 'running', 50, "
-                "'{\"scene\":{\"entry\":\"a\",\"files\":{\"a\":\"1\",\"b\":\"2\"}}}', '', 0, 9, 3, 90, 30, "
-                "1, 1, 0, 0, 1.5, 0, 'one' || "
-                "char(10))");
-            old.exec("INSERT INTO frames VALUES (1, 0, 'active', 1, 1, 9, 3, 4, 2, 0, NULL, 0, 0, 0, '', 0)");
+            insertJob(old, version);
         }
         SqliteJobStore store(folder / "db");
         store.write([&](Tables& t) {

@@ -8,6 +8,7 @@
 
 #include "shared/error/error.h"
 #include "shared/job/fields.h"
+#include "shared/job/rules.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -126,6 +127,8 @@ JobSpec anyJob(int changeOneIn) {
     describe(members, job);
     job.scene.entry = "scene.gltf";
     job.scene.environment = *rc::gen::element<std::string>("", "folder/sky.hdr");
+    Faults none;
+    settleStop(job.stop, none);
     return job;
 }
 

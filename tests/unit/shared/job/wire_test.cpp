@@ -42,7 +42,21 @@ TEST(JobFromJson, TakesAJobThatSaysOnlyItsScene) {
     JobSpec expected;
     expected.scene.entry = "a.glb";
     expected.scene.files = {{"a.glb", kDigest}, {"sky.hdr", std::string(64, 'b')}};
+    expected.stop.samples = 64;
     EXPECT_EQ(spec, expected);
+}
+
+TEST(JobFromJson, AJobThatEndsOnAConditionMayTakeMoreSamples) {
+    const auto samplesOf = [](const char* stop) {
+        json job = goodJob();
+        job["stop"] = json::parse(stop);
+        return jobFromJson(job).stop.samples;
+    };
+    EXPECT_EQ(samplesOf("{}"), 64u);
+    EXPECT_EQ(samplesOf(R"({"minSamples": 4})"), 64u);
+    EXPECT_EQ(samplesOf(R"({"relativeError": 0.05})"), 65536u);
+    EXPECT_EQ(samplesOf(R"({"wallSeconds": 60})"), 65536u);
+    EXPECT_EQ(samplesOf(R"({"relativeError": 0.05, "samples": 100})"), 100u);
 }
 
 TEST(JobFromJson, TakesBackWhatToJsonWrites) {
@@ -97,6 +111,7 @@ TEST(JobFromJson, ReadsRecordsOfVersionsThatKnewLess) {
     expected.name = "demo";
     expected.scene = {"a.glb", {{"a.glb", kDigest}}, ""};
     expected.image = {.width = 640, .height = 360};
+    expected.stop.samples = 64;
     EXPECT_EQ(old, expected);
 }
 

@@ -93,11 +93,57 @@ TEST(FrameRender, GivesTheErrorAtPowersOfTwoAndAtTheEnd) {
     EXPECT_THAT(samples, testing::ElementsAre(1, 2, 4, 8, 16, 32, 64, 100));
     EXPECT_FALSE(frame.errorCurve[0].relativeError.has_value());
     ErrorSums sums;
-    for (const FilmTile& tile : frame.tiles) sums.add(tile);
+    for (const FilmTile& tile : frame.tiles) {
+        ErrorSums ofTile;
+        ofTile.add(tile);
+        sums.add(ofTile);
+    }
     EXPECT_EQ(frame.errorCurve.back().relativeError, sums.relativeError());
     ASSERT_TRUE(frame.errorCurve.back().estimate);
     EXPECT_EQ(frame.errorCurve.back().estimate->high, sums.estimate().high);
     EXPECT_NEAR(frame.errorCurve.back().deviceSeconds, 8 * 6 * 0.01, 1e-9);
+}
+
+TEST(FrameRender, GoesOnWithTheTilesThatTheDecisionsName) {
+    JobSpec spec = job(512);
+    spec.stop.relativeError = 0.02;
+    spec.stop.minSamples = 4;
+    FakeBackend backend;
+    backend.image = spec.image;
+    FakeClock clock;
+    const RenderedFrame frame = renderFrame(backend, spec, 0, clock, {});
+    EXPECT_EQ(frame.stopReason, StopReason::relativeError);
+    EXPECT_LE(frame.errorCurve.back().relativeError, 0.02);
+    uint64_t samples = 0;
+    for (const FilmTile& tile : frame.tiles) samples += tile.rect.area() * tile.mergedSamples;
+    EXPECT_EQ(frame.stats.samples, samples);
+    EXPECT_EQ(frame.errorCurve.back().samples, samples / (40 * 24));
+    // Every tile has a call for each of its passes, in order.
+    std::vector<uint32_t> reached(6);
+    for (const auto& call : backend.calls)
+        for (const uint32_t tile : call.tiles)
+            EXPECT_EQ(std::exchange(reached[tile], call.samples.end()), call.samples.first);
+    for (uint32_t tile = 0; tile < 6; ++tile) EXPECT_EQ(reached[tile], frame.tiles[tile].mergedSamples);
+}
+
+TEST(FrameRender, EndsBeforeATimeLimit) {
+    JobSpec spec = job(512);
+    spec.stop.wallSeconds = 10;
+    FakeBackend backend;
+    backend.image = spec.image;
+    FakeClock clock;
+    backend.onRender = [&] {  // a sixth of a second for each sample of a tile
+        const auto& call = backend.calls.back();
+        clock.advance(Milliseconds(1000 * call.tiles.size() * call.samples.count / 6));
+    };
+    FrameProgress last;
+    const RenderedFrame frame =
+        renderFrame(backend, spec, 0, clock, [&](const FrameProgress& p) { last = p; });
+    EXPECT_EQ(frame.stopReason, StopReason::wallSeconds);
+    EXPECT_LE(frame.seconds, 10);
+    EXPECT_EQ(frame.tiles[0].mergedSamples, frame.tiles[5].mergedSamples);
+    EXPECT_EQ(last.samplesDone, last.samplesInAll);
+    EXPECT_TRUE(last.wholeLevel);
 }
 
 TEST(FrameRender, TellsHowFarItIsAndWhatIsLeft) {

@@ -18,6 +18,7 @@ struct LocalReportTest : testing::Test {
         scene.loadSeconds = 0.5;
         frame.stats = {2.0, 1000, 4000, 7, {3, 250, 50, 20, 5, 8, {{5, 6, 11}}}};
         spec.settings.seed = 9;
+        spec.stop.samples = 64;
         FilmTile tile({0, 0, 2, 1});
         for (FilmPixel& pixel : tile.pixels) pixel.mean = {0.03, 0.03, 0.03}, pixel.count = 250;
         frame.tiles = {tile};
@@ -86,6 +87,7 @@ TEST_F(LocalReportTest, AttributesSayHowAPictureCanBeMadeAgain) {
     EXPECT_EQ(nlohmann::json::parse(attributes.at("settings"))["stop"]["samples"], 64);
     JobSpec other = spec;
     other.scene.files["sky.hdr"] = std::string(64, 'c');
+    EXPECT_EQ(attributes.at("stopped"), "all 64 samples per pixel taken");
     EXPECT_NE(localAttributes(other, device, frame).at("scene"), attributes.at("scene"));
 }
 

@@ -84,7 +84,7 @@ TEST_F(RenderCommandTest, NamesASceneThatIsNotThere) {
 
 TEST_F(RenderCommandTest, RefusesOptionsThatAJobCouldNotHave) {
     render.spec.image.width = 40000;
-    render.spec.stop.samples = 0;
+    render.spec.stop.samples = (1u << 24) + 1;
     EXPECT_EQ(errorOf([&] { requireValid(render); }).faults.size(), 2u);
 }
 
