@@ -166,6 +166,21 @@ struct EventTable {
     virtual uint64_t forgetBelow(int64_t id, size_t limit) = 0;
 };
 
+struct StudyTable {
+    virtual ~StudyTable() = default;
+    virtual std::optional<StudyRow> find(const std::string& id) const = 0;
+    /// Newest first, keys below `before`.
+    virtual std::vector<StudyRow> list(int64_t before, size_t limit) const = 0;
+    /// Those that are not finished, oldest first.
+    virtual std::vector<StudyRow> open() const = 0;
+    virtual int64_t insert(const StudyRow& row) = 0;
+    virtual void update(const StudyRow& row) = 0;
+    /// What was measured, without its pictures, by number.
+    virtual std::vector<StudyCellRow> cells(int64_t study) const = 0;
+    virtual std::optional<StudyCellRow> cell(int64_t study, uint32_t cell) const = 0;
+    virtual void putCell(const StudyCellRow& row) = 0;
+};
+
 struct Tables {
     JobTable& jobs;
     FrameTable& frames;
@@ -173,6 +188,7 @@ struct Tables {
     LeaseTable& leases;
     WorkerTable& workers;
     EventTable& events;
+    StudyTable& studies;
 };
 
 struct ConstTables {
@@ -182,13 +198,15 @@ struct ConstTables {
     const LeaseTable& leases;
     const WorkerTable& workers;
     const EventTable& events;
+    const StudyTable& studies;
     ConstTables(const Tables& t)  // NOLINT: a writer may read
         : jobs(t.jobs),
           frames(t.frames),
           passes(t.passes),
           leases(t.leases),
           workers(t.workers),
-          events(t.events) {}
+          events(t.events),
+          studies(t.studies) {}
 };
 
 /// Keeps the queue's rows. Any thread may call; writers run one at a time.

@@ -25,6 +25,9 @@ constexpr std::array kWorkerWords{Words<WorkerState>{WorkerState::online, "onlin
                                   Words<WorkerState>{WorkerState::parked, "parked"},
                                   Words<WorkerState>{WorkerState::quarantined, "quarantined"},
                                   Words<WorkerState>{WorkerState::offline, "offline"}};
+constexpr std::array kStudyWords{
+    Words<StudyState>{StudyState::running, "running"}, Words<StudyState>{StudyState::completed, "completed"},
+    Words<StudyState>{StudyState::failed, "failed"}, Words<StudyState>{StudyState::canceled, "canceled"}};
 
 template <typename Table, typename State>
 std::string_view wordOf(const Table& table, State state) {
@@ -68,6 +71,9 @@ std::string_view toString(Loss loss) {
 std::string_view toString(WorkerState state) {
     return wordOf(kWorkerWords, state);
 }
+std::string_view toString(StudyState state) {
+    return wordOf(kStudyWords, state);
+}
 FrameState frameStateFrom(std::string_view word) {
     return stateOf(kFrameWords, word);
 }
@@ -79,6 +85,9 @@ Loss lossFrom(std::string_view word) {
 }
 WorkerState workerStateFrom(std::string_view word) {
     return stateOf(kWorkerWords, word);
+}
+StudyState studyStateFrom(std::string_view word) {
+    return stateOf(kStudyWords, word);
 }
 
 }  // namespace tilefarm

@@ -224,13 +224,36 @@ struct EventRow {
 /// Why all of the frame is merged, for people; empty while it is not.
 std::string stopSentence(const FrameRow& frame, const StopCondition& stop);
 
+/// Of the four only `running` is left for another.
+enum class StudyState { running, completed, failed, canceled };
+
+struct StudyRow {
+    int64_t key = 0;  // grows with every study; `id` is what the API shows
+    std::string id;
+    StudyState state = StudyState::running;
+    std::string requestJson;  // canonical
+    TimePoint created{};
+    std::optional<TimePoint> finished;  // nothing is left to do for it, its jobs included
+    std::string fault;                  // why it failed
+};
+
+/// A variant at a number of samples, once its jobs are complete and their pictures compared.
+struct StudyCellRow {
+    int64_t study = 0;
+    uint32_t cell = 0;
+    std::string resultJson;
+    std::string picturesJson;  // apart, for they are large
+};
+
 std::string_view toString(FrameState state);
 std::string_view toString(LeaseState state);
 std::string_view toString(Loss loss);
 std::string_view toString(WorkerState state);
+std::string_view toString(StudyState state);
 FrameState frameStateFrom(std::string_view word);
 LeaseState leaseStateFrom(std::string_view word);
 Loss lossFrom(std::string_view word);
 WorkerState workerStateFrom(std::string_view word);
+StudyState studyStateFrom(std::string_view word);
 
 }  // namespace tilefarm

@@ -187,6 +187,16 @@ constexpr std::array kEvents{column<&EventRow::id>("id"),        column<&EventRo
                              column<&EventRow::jobId>("job_id"), column<&EventRow::at>("at"),
                              column<&EventRow::type>("type"),    column<&EventRow::json>("json")};
 
+constexpr std::array kStudies{
+    column<&StudyRow::key>("key"),         column<&StudyRow::id>("id"),
+    column<&StudyRow::state>("state"),     column<&StudyRow::requestJson>("request"),
+    column<&StudyRow::created>("created"), column<&StudyRow::finished>("finished"),
+    column<&StudyRow::fault>("fault")};
+
+constexpr std::array kStudyCells{column<&StudyCellRow::study>("study"), column<&StudyCellRow::cell>("cell"),
+                                 column<&StudyCellRow::resultJson>("result"),
+                                 column<&StudyCellRow::picturesJson>("pictures")};
+
 }  // namespace
 
 template <>
@@ -244,6 +254,14 @@ std::span<const Column<ReportRow>> columnsOf() {
 template <>
 std::span<const Column<EventRow>> columnsOf() {
     return kEvents;
+}
+template <>
+std::span<const Column<StudyRow>> columnsOf() {
+    return kStudies;
+}
+template <>
+std::span<const Column<StudyCellRow>> columnsOf() {
+    return kStudyCells;
 }
 
 }  // namespace tilefarm

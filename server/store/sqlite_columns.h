@@ -46,5 +46,9 @@ template <>
 std::span<const Column<ReportRow>> columnsOf();
 template <>
 std::span<const Column<EventRow>> columnsOf();
+template <>
+std::span<const Column<StudyRow>> columnsOf();
+template <>
+std::span<const Column<StudyCellRow>> columnsOf();
 
 }  // namespace tilefarm

@@ -8,6 +8,7 @@
 #include "sql/jobs.h"
 #include "sql/leases.h"
 #include "sql/passes.h"
+#include "sql/studies.h"
 #include "sql/workers.h"
 
 namespace tilefarm {
@@ -305,6 +306,31 @@ struct Events : EventTable {
     }
 };
 
+struct Studies : StudyTable {
+    Connection& c;
+    explicit Studies(Connection& connection) : c(connection) {}
+
+    std::optional<StudyRow> find(const std::string& id) const override {
+        return c.query(sql::studies::find).set(":id", id).first<StudyRow>();
+    }
+    std::vector<StudyRow> list(int64_t before, size_t limit) const override {
+        return c.query(sql::studies::list).set(":before", before).set(":limit", limit).all<StudyRow>();
+    }
+    std::vector<StudyRow> open() const override { return c.query(sql::studies::open).all<StudyRow>(); }
+    int64_t insert(const StudyRow& row) override {
+        c.query(sql::studies::insert).setRow(row).run();
+        return c.db().getLastInsertRowid();
+    }
+    void update(const StudyRow& row) override { c.query(sql::studies::update).setRow(row).run(); }
+    std::vector<StudyCellRow> cells(int64_t study) const override {
+        return c.query(sql::studies::cells).set(":study", study).all<StudyCellRow>();
+    }
+    std::optional<StudyCellRow> cell(int64_t study, uint32_t cell) const override {
+        return c.query(sql::studies::cell).set(":study", study).set(":cell", cell).first<StudyCellRow>();
+    }
+    void putCell(const StudyCellRow& row) override { c.query(sql::studies::putCell).setRow(row).run(); }
+};
+
 }  // namespace
 
 struct SqliteTables::Impl {
@@ -314,13 +340,16 @@ struct SqliteTables::Impl {
     Leases leases;
     Workers workers;
     Events events;
-    explicit Impl(Connection& c) : jobs(c), frames(c), passes(c), leases(c), workers(c), events(c) {}
+    Studies studies;
+    explicit Impl(Connection& c)
+        : jobs(c), frames(c), passes(c), leases(c), workers(c), events(c), studies(c) {}
 };
 
 SqliteTables::SqliteTables(Connection& connection) : impl_(std::make_unique<Impl>(connection)) {}
 SqliteTables::~SqliteTables() = default;
 Tables SqliteTables::tables() {
-    return {impl_->jobs, impl_->frames, impl_->passes, impl_->leases, impl_->workers, impl_->events};
+    return {impl_->jobs,    impl_->frames, impl_->passes, impl_->leases,
+            impl_->workers, impl_->events, impl_->studies};
 }
 
 }  // namespace tilefarm

@@ -42,6 +42,9 @@ void readValue(const SQLite::Column& from, Loss& to) {
 void readValue(const SQLite::Column& from, StopReason& to) {
     to = stopReasonFrom(from.getString());
 }
+void readValue(const SQLite::Column& from, StudyState& to) {
+    to = studyStateFrom(from.getString());
+}
 void readValue(const SQLite::Column& from, std::vector<std::string>& to) {
     to = splitLines(from.getString());
 }

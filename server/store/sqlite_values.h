@@ -30,6 +30,7 @@ void readValue(const SQLite::Column& from, LeaseState& to);
 void readValue(const SQLite::Column& from, WorkerState& to);
 void readValue(const SQLite::Column& from, Loss& to);
 void readValue(const SQLite::Column& from, StopReason& to);
+void readValue(const SQLite::Column& from, StudyState& to);
 void readValue(const SQLite::Column& from, std::vector<std::string>& to);
 void readValue(const SQLite::Column& from, std::vector<LeasedPass>& to);
 void readValue(const SQLite::Column& from, ErrorTail& to);

@@ -497,6 +497,60 @@ struct Events : EventTable {
     }
 };
 
+struct Studies : StudyTable {
+    std::map<int64_t, StudyRow> rows;
+    std::map<std::pair<int64_t, uint32_t>, StudyCellRow> cellRows;
+
+    std::optional<StudyRow> find(const std::string& id) const override {
+        for (const auto& [key, row] : rows) {
+            if (row.id == id) return row;
+        }
+        return std::nullopt;
+    }
+    std::vector<StudyRow> list(int64_t before, size_t limit) const override {
+        std::vector<StudyRow> found;
+        for (auto at = rows.rbegin(); at != rows.rend() && found.size() < limit; ++at) {
+            if (at->first < before) found.push_back(at->second);
+        }
+        return found;
+    }
+    std::vector<StudyRow> open() const override {
+        std::vector<StudyRow> found;
+        for (const auto& [key, row] : rows) {
+            if (!row.finished) found.push_back(row);
+        }
+        return found;
+    }
+    int64_t insert(const StudyRow& row) override {
+        if (find(row.id)) refuse("study id '" + row.id + "' is taken");
+        const int64_t key = rows.empty() ? 1 : rows.rbegin()->first + 1;
+        rows[key] = row;
+        return rows[key].key = key;
+    }
+    void update(const StudyRow& row) override {
+        StudyRow& old = rows.at(row.key);
+        if (old.state != row.state && old.state != StudyState::running) refuse("no such move of a study");
+        old.state = row.state;
+        old.finished = row.finished;
+        old.fault = row.fault;
+    }
+    std::vector<StudyCellRow> cells(int64_t study) const override {
+        std::vector<StudyCellRow> found;
+        for (const auto& [key, row] : cellRows) {
+            if (key.first == study) found.push_back({study, key.second, row.resultJson, ""});
+        }
+        return found;
+    }
+    std::optional<StudyCellRow> cell(int64_t study, uint32_t cell) const override {
+        const auto at = cellRows.find({study, cell});
+        return at == cellRows.end() ? std::nullopt : std::optional(at->second);
+    }
+    void putCell(const StudyCellRow& row) override {
+        if (!rows.contains(row.study)) refuse("there is no such study");
+        cellRows[{row.study, row.cell}] = row;
+    }
+};
+
 }  // namespace
 
 struct MemoryJobStore::State {
@@ -506,6 +560,7 @@ struct MemoryJobStore::State {
     Leases leases;
     Workers workers;
     Events events;
+    Studies studies;
 
     State() { link(); }
     State(const State& other)
@@ -514,7 +569,8 @@ struct MemoryJobStore::State {
           passes(other.passes),
           leases(other.leases),
           workers(other.workers),
-          events(other.events) {
+          events(other.events),
+          studies(other.studies) {
         link();
     }
     State& operator=(const State&) = delete;
@@ -523,7 +579,7 @@ struct MemoryJobStore::State {
         passes.leases = &leases;
         leases.contributions = &workers.contributionRows;
     }
-    Tables tables() { return {jobs, frames, passes, leases, workers, events}; }
+    Tables tables() { return {jobs, frames, passes, leases, workers, events, studies}; }
 };
 
 MemoryJobStore::MemoryJobStore() : state_(std::make_shared<State>()) {}

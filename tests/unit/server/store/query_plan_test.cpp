@@ -11,6 +11,7 @@
 #include "sql/jobs.h"
 #include "sql/leases.h"
 #include "sql/passes.h"
+#include "sql/studies.h"
 #include "sql/workers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -34,6 +35,7 @@ const std::map<std::string, const char*> kMayScan{
     {sql::leases::lost, "at start; holds the leases asked for and no others"},
     {sql::leases::lastEpoch, "a row per table"},
     {sql::events::lastId, "a row per table"},
+    {sql::studies::open, "holds the studies asked for and no others"},
     {sql::workers::list, "all are wanted"},
     {sql::workers::forgetSeenBefore, "every minute; workers are few"},
 };
@@ -84,6 +86,7 @@ private:
         callLeases(t.leases);
         callPasses(t.passes);
         callWorkers(t.workers);
+        callStudies(t.studies);
         t.events.add({0, job_, "j", kNow, "job", "{}"});
         t.events.list(0, std::nullopt, 1);
         t.events.list(0, job_, 1);
@@ -153,6 +156,15 @@ private:
         workers.contributions(job_);
         workers.putReport({job_, "w", "{}"});
         workers.reports(job_);
+    }
+    static void callStudies(StudyTable& studies) {
+        const int64_t key = studies.insert({.id = "s", .requestJson = "{}", .finished = {}, .fault = {}});
+        studies.update(*studies.find("s"));
+        studies.list(INT64_MAX, 10);
+        studies.open();
+        studies.putCell({key, 0, "{}", "{}"});
+        studies.cells(key);
+        studies.cell(key, 0);
     }
 
     TemporaryFolder folder_;
