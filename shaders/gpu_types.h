@@ -115,14 +115,8 @@ GPU_CONSTANT FIELD_DIFFERENCE = 7;  // the first without the second
 GPU_CONSTANT FIELD_TEXELS = 3;
 GPU_CONSTANT FIELD_STACK = 8;       // distances waiting at once, at most
 
-GPU_CONSTANT LIGHT_TRIANGLE = 0;
-GPU_CONSTANT LIGHT_POINT = 1;
-GPU_CONSTANT LIGHT_SPOT = 2;
-GPU_CONSTANT LIGHT_DIRECTIONAL = 3;
-GPU_CONSTANT LIGHT_ENVIRONMENT = 4;
-GPU_CONSTANT LIGHT_QUAD = 5;
-GPU_CONSTANT LIGHT_SPHERE = 6;
-GPU_CONSTANT LIGHT_SUN = 7;
+// Kinds of light: tables/lights.py.
+#include "gpu_light_kinds.h"
 
 // References of the light tree: the first texel of an inner node, or this with the index of a light.
 GPU_CONSTANT LIGHT_TREE_LEAF = 0x80000000u;

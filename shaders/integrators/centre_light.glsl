@@ -29,18 +29,15 @@ const uvec4 kDiskMiddle = uvec4(0u);
 // where nothing arrives. `extended`: a ray can meet the light.
 bool centreLight(uint i, SampleKey key, Surface s, out LightSample l, out bool extended) {
     float times;
-    uint light = pickedLight(i, times);
-    LightRecord record = loadLightRecord(light);
+    LightRecord light = loadLightRecord(pickedLight(i, times));
     extended = false;
     bool found = false;
-    if (record.type == LIGHT_ENVIRONMENT) return false;
-    if (has(FEATURE_QUAD_LIGHTS) && record.type == LIGHT_QUAD)
-        found = centreOfQuadLight(record, s, l);
-    else
-        found = sampleOnLight(record, 1.0, record.type == LIGHT_TRIANGLE ? kTriangleMiddle : kDiskMiddle, key, 0u, s, l);
+    if (light.type == LIGHT_ENVIRONMENT) return false;
+    CENTRE_OF_LIGHT(found)
+        found = sampleOnLight(light, 1.0, light.type == LIGHT_TRIANGLE ? kTriangleMiddle : kDiskMiddle, key, 0u, s, l);
     if (!found) return false;
     extended = l.pdf > 0.0;
-    if (extended && has(FEATURE_EMISSIVE_TRIANGLES) && record.type == LIGHT_TRIANGLE) l.pdf = wholeTrianglePdf(record, s.position);
+    if (extended && has(FEATURE_EMISSIVE_TRIANGLES) && light.type == LIGHT_TRIANGLE) l.pdf = wholeTrianglePdf(light, s.position);
     l.radiance *= extended ? times / l.pdf : times;
     return true;
 }

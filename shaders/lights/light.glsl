@@ -3,20 +3,12 @@
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
-#include "environment.glsl"
+#include "gpu_lights.glsl"
 #include "light_tree.glsl"
-#include "punctual.glsl"
-#include "quad.glsl"
-#include "sphere.glsl"
-#include "sun.glsl"
-#include "triangle.glsl"
 
 // Surfaces that emit and are lights of their own.
-#define emitterBits() \
-    (featureBit(FEATURE_EMISSIVE_TRIANGLES) | featureBit(FEATURE_QUAD_LIGHTS) | featureBit(FEATURE_SPHERE_LIGHTS))
-#define hasEmitters() (emitterBits() != 0u)
-#define hasLights() \
-    ((emitterBits() | featureBit(FEATURE_PUNCTUAL_LIGHTS) | featureBit(FEATURE_SUN_LIGHTS) | featureBit(FEATURE_ENVIRONMENT)) != 0u)
+#define hasEmitters() (EMITTER_FEATURES != 0u)
+#define hasLights() (LIGHT_FEATURES != 0u)
 
 bool lightsFollow(uint rule) { return (parameters.lightSelection & rule) != 0u; }
 #define lightsByTree() (has(FEATURE_LIGHT_TREE) && lightsFollow(LIGHTS_BY_TREE))
@@ -36,12 +28,7 @@ float lightPmf(uint light, float pmf, vec3 p, vec3 n) { return lightsByTree() ? 
 
 // A point on one light. False where nothing can arrive. `radiance` is to be divided by `pdf` where that is not 0.
 bool sampleOnLight(LightRecord light, float pmf, uvec4 bits, SampleKey key, uint bounce, Surface s, out LightSample l) {
-    if (has(FEATURE_ENVIRONMENT) && light.type == LIGHT_ENVIRONMENT) return sampleEnvironmentLight(key, bounce, pmf, s, l);
-    if (has(FEATURE_EMISSIVE_TRIANGLES) && light.type == LIGHT_TRIANGLE) return sampleTriangleLight(light, pmf, bits, s, l);
-    if (has(FEATURE_QUAD_LIGHTS) && light.type == LIGHT_QUAD) return sampleQuadLight(light, pmf, bits, s, l);
-    if (has(FEATURE_SPHERE_LIGHTS) && light.type == LIGHT_SPHERE) return sampleSphereLight(light, pmf, bits, s, l);
-    if (has(FEATURE_SUN_LIGHTS) && light.type == LIGHT_SUN) return sampleSunLight(light, pmf, bits, s, l);
-    if (has(FEATURE_PUNCTUAL_LIGHTS)) return samplePunctualLight(light, pmf, s, l);
+    SAMPLE_LIGHT
     return false;
 }
 
@@ -76,14 +63,11 @@ bool sampleGroup(uint group, SampleKey key, uint bounce, Surface s, out LightSam
 // a ray met at the distance t. `throughVeil`: after it came through the near side of the same thing, which is cut out;
 // on spheres light sampling finds only the near side.
 float emitterPdf(uint primitive, vec3 from, vec3 n, float t, float cosine, bool throughVeil) {
-    uint light = LOAD(primitiveLightTexels, primitive >> 2u)[primitive & 3u];
-    if (light == NO_INDEX) return 0.0;
-    LightRecord record = loadLightRecord(light);
-    float pmf = lightPmf(light, record.pmf, from, n);
-    if (has(FEATURE_QUAD_LIGHTS) && record.type == LIGHT_QUAD) return pmf * quadLightPdf(record, from, t);
-    if (has(FEATURE_SPHERE_LIGHTS) && record.type == LIGHT_SPHERE)
-        return throughVeil ? 0.0 : pmf * sphereLightPdf(record, from);
-    return pmf * triangleLightPdf(record, t, cosine);
+    uint index = LOAD(primitiveLightTexels, primitive >> 2u)[primitive & 3u];
+    if (index == NO_INDEX) return 0.0;
+    LightRecord light = loadLightRecord(index);
+    float pmf = lightPmf(index, light.pmf, from, n);
+    LIGHT_PDF
 }
 
 float environmentPmf(vec3 from, vec3 n) {

@@ -2,15 +2,18 @@
 """Writes what follows from the tables of this folder.
 
     generate.py gpu FOLDER     gpu_features.h, gpu_records.h (host and shaders), gpu_readers.glsl, gpu_tables_host.h and
-                               what material_text.py makes of the materials
+                               what light_text.py and material_text.py make of lights and materials
     generate.py effects        the table of docs/effects.md, to standard output
 """
 
 import os
+import pathlib
 import sys
 
 sys.dont_write_bytecode = True
 import features       # noqa: E402
+import light_text     # noqa: E402
+import lights         # noqa: E402
 import material_text  # noqa: E402
 import materials      # noqa: E402
 import records        # noqa: E402
@@ -143,11 +146,21 @@ def check_materials():
             sys.exit(f"materials.py: {row.name} is not in TEXELS")
 
 
+def check_lights(known):
+    kinds = light_text.kinds()
+    if len(set(kinds)) < len(kinds):
+        sys.exit("lights.py: a kind is there twice")
+    for row in lights.LIGHTS:
+        if row.feature not in known:
+            sys.exit(f"lights.py: {row.file}: there is no feature {row.feature}")
+
+
 def check():
     check_materials()
     known = {f.id for f in features.FEATURES}
     if len(known) < len(features.FEATURES) or len({f.name for f in features.FEATURES}) < len(features.FEATURES):
         sys.exit("features.py: an id or a name is there twice")
+    check_lights(known)
     for record in records.RECORDS:
         for member in record.members:
             if member.feature and member.feature not in known:
@@ -156,14 +169,14 @@ def check():
 
 def write(folder, name, text):
     """Leaves a file alone that has that text, so that nothing is compiled again for it."""
-    path = os.path.join(folder, name)
-    if not os.path.exists(path) or open(path, encoding="utf-8").read() != text:
-        with open(path, "w", encoding="utf-8") as out:
-            out.write(text)
+    path = pathlib.Path(folder, name)
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
 
 
 FILES = {"gpu_features.h": feature_constants, "gpu_records.h": record_structs, "gpu_readers.glsl": readers,
-         "gpu_tables_host.h": host_tables, **material_text.FILES}
+         "gpu_tables_host.h": host_tables, **light_text.FILES,
+         **material_text.FILES}
 
 
 def main():

@@ -14,7 +14,7 @@ TABLES = ROOT / "shaders" / "tables"
 def generator():
     """A fresh one: tests change its tables."""
     sys.path.insert(0, str(TABLES))
-    for name in ("features", "materials", "material_text", "records"):
+    for name in ("features", "lights", "light_text", "materials", "material_text", "records"):
         sys.modules.pop(name, None)
     spec = importlib.util.spec_from_file_location("generate", TABLES / "generate.py")
     module = importlib.util.module_from_spec(spec)
@@ -97,6 +97,22 @@ class Tables(unittest.TestCase):
         self.assertIn("record.glow = m.glow;", text["gpu_material_host.h"])
         self.assertIn("m.glow = materialGlow(index);", text["gpu_material_point.glsl"])
         self.generate.check()
+
+    def test_a_row_of_a_light_reaches_host_and_shaders(self):
+        lights, text = self.generate.lights, self.generate.light_text
+        lights.LIGHTS.insert(2, lights.Light(("DISK",), "SHAPES", "disk.glsl", "sampleDiskLight(light, pmf, bits, s, l)",
+                                             "pmf * diskLightPdf(light, from)", "centreOfDiskLight(light, s, l)", "addDiskShape"))
+        self.assertIn("GPU_CONSTANT LIGHT_DISK = 2;", text.constants())
+        case = "if (has(FEATURE_SHAPES) && light.type == LIGHT_DISK) "
+        self.assertIn('#include "lights/disk.glsl"', text.glsl())
+        for what in ("return sampleDiskLight(light, pmf, bits, s, l);", "return pmf * diskLightPdf(light, from);",
+                     "found = centreOfDiskLight(light, s, l); else"):
+            self.assertIn(case + what, text.glsl())
+        self.assertIn("{addDiskShape, addQuadShape, addSphereShape}", text.packers())
+        self.generate.check()
+        lights.LIGHTS.append(lights.LIGHTS[0])
+        with self.assertRaisesRegex(SystemExit, "lights.py: a kind is there twice"):
+            self.generate.check()
 
     def test_refuses_parameters_that_are_there_twice_or_nowhere(self):
         materials = self.generate.materials
