@@ -3,7 +3,10 @@
 #ifndef TILEFARM_GPU_TYPES_H
 #define TILEFARM_GPU_TYPES_H
 
+#include "knobs.h"
+
 #ifdef __cplusplus
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 namespace tilefarm::gpu {
@@ -219,7 +222,11 @@ GPU_CONSTANT INJECTION_THRESHOLD = 42950;  // of 2^32
 #include "gpu_records.h"
 
 // Constant for all passes of a frame. World space is the re-centred one of worker/scene/world.h.
+#ifdef __cplusplus
+struct alignas(16) FrameParameters {  // a whole number of texels, as GLSL counts a block
+#else
 struct FrameParameters {
+#endif
     vec3 cameraOrigin; float unusedOrigin;
     vec3 cameraForward;    // perspective: unit view direction
     float cameraKind;      // CAMERA_*
@@ -248,11 +255,7 @@ struct FrameParameters {
     float shutterBegin, shutterLength;    // part of the shutter's time, of 1, that this scene stands for
     float unusedShutter0, unusedShutter1;
     uint rouletteRule, directionSampling;  // ROULETTE_*, DIRECTION_*
-    uint shadowDepth;                      // bounces after which shadow rays are skipped
-    uint unusedRule;
     float clampDirect, clampIndirect;      // of light that scattered once, and more often
-    float leastAlpha;                      // behind rough surfaces
-    float rouletteSurvival;                // of ROULETTE_CONSTANT
     vec4 cameraKeys[CAMERA_KEYS * CAMERA_KEY_VECTORS];  // camera.glsl
     vec4 irradiance[9];                    // of the environment, integrators/ambient.glsl
     float occlusionDistance;               // m
@@ -268,6 +271,9 @@ struct FrameParameters {
     uint mediaNest;                        // 1 if a ray may be in several solids, or starts in one
     uint lightSelection, lightGroups;      // LIGHTS_*; groups that LIGHTS_ALL asks
     float extent;                          // m that holds every coordinate and distance of the scene
+#define GPU_MEMBER(settingType, type, name, value) type name;
+    KERNEL_KNOBS(GPU_MEMBER)
+#undef GPU_MEMBER
 };
 
 // A dispatch renders `sampleCount` samples of every pixel of its tiles: firstSample, firstSample + sampleStride, …
@@ -282,7 +288,7 @@ struct PassConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameParameters) == 496 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
+static_assert(offsetof(FrameParameters, extent) == 476 + 16 * CAMERA_KEYS * CAMERA_KEY_VECTORS);
 static_assert(sizeof(PassConstants) == 28);
 
 /// The mask of one FEATURE_*.

@@ -80,7 +80,7 @@ PathSample traceSample(SampleKey key, vec3 origin, vec3 direction) {
         if (found) {
             s = arrive(path, hit);
             m = materialAt(s);
-            if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.leastAlpha);
+            if (has(FEATURE_REGULARISATION) && path.rough) regularise(m, parameters.regularisation);
             if (path.bounce == 0u) {
                 result.albedo = m.baseColor;
                 result.normal = s.frame[2];

@@ -11,7 +11,7 @@
 vec3 throughPane(Surface s, vec3 direction, Medium medium, uint channel) {
     MaterialPoint m = materialAt(s);
     // (Light sampling serves rough lobes alone, behind which a path would regularise too.)
-    if (has(FEATURE_REGULARISATION)) regularise(m, parameters.leastAlpha);
+    if (has(FEATURE_REGULARISATION)) regularise(m, parameters.regularisation);
     if (mediaNest()) setRelativeIor(medium.stack, s, channel, m);
     return straightThrough(m, -normalize(direction) * s.frame, s.frontFace);
 }

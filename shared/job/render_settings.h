@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "shaders/knobs.h"
 #include "shared/job/facets.h"
 #include "shared/job/lighting.h"
 #include "shared/job/viewing.h"
@@ -31,12 +32,9 @@ struct RenderSettings {
     Integrator integrator = Integrator::path;
     double aoDistance = 0;  // m that ambient occlusion reaches; 0: half the diagonal of the scene's box
     RouletteRule roulette = RouletteRule::throughput;
-    double rouletteSurvival = 0.8;  // of the constant rule
-    uint32_t shadowDepth = 1024;    // scatterings before lights shine through all; biased below maxBounces
     DirectionSampling directionSampling = DirectionSampling::bsdf;
     double clampDirect = 0;    // greatest channel of what one sample gathers at once, W/(sr m²); 0: no bound
     double clampIndirect = 0;  // likewise of light that scattered more than once; both are biased
-    double regularisation = 0;  // least α of surfaces behind a rough one; biased
     LightSelection lightSelection = LightSelection::power;
     DirectLight directLight = DirectLight::mis;
     Microfacets microfacets = Microfacets::ggx;  // of materials that do not say theirs
@@ -51,6 +49,9 @@ struct RenderSettings {
     bool cameraClip = false;  // camera rays see between the camera's znear and zfar alone
     Culling culling = Culling::camera;
     LightUnits lightUnits = LightUnits::radiometric;
+#define TILEFARM_MEMBER(type, parameterType, name, value) type name = value;
+    KERNEL_KNOBS(TILEFARM_MEMBER)
+#undef TILEFARM_MEMBER
     friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 

@@ -31,12 +31,12 @@ double boundOf(double clamp) {
 
 void setPathRules(gpu::FrameParameters& parameters, const RenderSettings& settings) {
     parameters.rouletteRule = kindOf(settings.roulette);
-    parameters.rouletteSurvival = settings.rouletteSurvival;
     parameters.directionSampling = kindOf(settings.directionSampling);
-    parameters.shadowDepth = settings.shadowDepth;
     parameters.clampDirect = boundOf(settings.clampDirect);
     parameters.clampIndirect = boundOf(settings.clampIndirect);
-    parameters.leastAlpha = settings.regularisation;
+#define TILEFARM_SET(type, parameterType, name, value) parameters.name = settings.name;
+    KERNEL_KNOBS(TILEFARM_SET)
+#undef TILEFARM_SET
 }
 
 uint64_t pathRuleFeatures(const RenderSettings& settings) {
