@@ -5,6 +5,8 @@
 #include <queue>
 #include <utility>
 
+#include "shared/job/job.h"
+
 namespace tilefarm {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "shared/error/error.h"
+#include "shared/job/job.h"
 
 namespace tilefarm {
 namespace {

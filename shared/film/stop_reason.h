@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "shared/job/job.h"
-
 namespace tilefarm {
+
+struct StopCondition;
 
 /// Which condition completed a frame.
 enum class StopReason { samples, relativeError, deviceSeconds, wallSeconds };

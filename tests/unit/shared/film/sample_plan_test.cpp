@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "shared/job/job.h"
+
 namespace tilefarm {
 namespace {
 
