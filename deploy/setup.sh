@@ -22,7 +22,7 @@ packages=(
     libglm-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libembree-dev
     libcpp-httplib-dev libssl-dev nlohmann-json3-dev libopenexr-dev
     libsqlite3-dev libsqlitecpp-dev libcli11-dev libspdlog-dev prometheus-cpp-dev libstb-dev
-    libzip-dev libmurmurhash-dev libjpeg62-turbo-dev libpng-dev ffmpeg
+    libjs-chart.js libzip-dev libmurmurhash-dev libjpeg62-turbo-dev libpng-dev ffmpeg
     libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev python3 sqlite3
 )
 # What tests open our pictures in, check the API's description with (tests/e2e/openapi_test.py) and find functions by

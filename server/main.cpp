@@ -14,6 +14,7 @@
 #include "server/store/file_blob_store.h"
 #include "server/store/folder_lock.h"
 #include "server/store/sqlite_job_store.h"
+#include "server/study_keeper.h"
 
 namespace tilefarm {
 namespace {
@@ -84,9 +85,11 @@ void serve(const ServerConfig& config, const StopSignal& stop) {
     reportSweep(scheduler);
     removeLeftovers(store, films, images);
 
-    Services services{config.api, clock, store, blobs, scheduler, merger, images, events, metrics};
+    StudyRunner studies(store, scheduler, images, clock);
+    Services services{config.api, clock, store, blobs, scheduler, merger, images, events, metrics, studies};
     Housekeeper keeper(scheduler, images, metrics);  // outlives the server, whose requests wake it
     housekeeper = &keeper;
+    const StudyKeeper studyKeeper(studies);
     HttpServer server(services, config.http);
     fmt::print("listening on {}\n", urlOf(config.http, server.port()));
     std::fflush(stdout);

@@ -26,6 +26,13 @@ HttpResponse getMatteManifest(Services& s, HttpRequest& r);
 HttpResponse getPng(Services& s, HttpRequest& r);
 HttpResponse getPreview(Services& s, HttpRequest& r);
 
+HttpResponse postStudy(Services& s, HttpRequest& r);
+HttpResponse listStudies(Services& s, HttpRequest& r);
+HttpResponse getStudy(Services& s, HttpRequest& r);
+HttpResponse cancelStudy(Services& s, HttpRequest& r);
+HttpResponse getStudyCsv(Services& s, HttpRequest& r);
+HttpResponse getStudyReport(Services& s, HttpRequest& r);
+
 HttpResponse jobEvents(Services& s, HttpRequest& r);
 HttpResponse allEvents(Services& s, HttpRequest& r);
 

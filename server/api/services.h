@@ -10,6 +10,7 @@
 #include "server/queue/scheduler.h"
 #include "server/report/metrics.h"
 #include "server/store/blob_store.h"
+#include "server/study/runner.h"
 
 namespace tilefarm {
 
@@ -33,6 +34,7 @@ struct Services {
     FrameImages& images;
     EventBus& events;
     Metrics& metrics;
+    StudyRunner& studies;
     MemoryBudget uploadMemory{32u << 20};
     /// Results that are decoded and merged at a time: each is up to 64 MB as sent and again as decoded. One
     /// that still arrives is not among them.

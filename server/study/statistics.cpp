@@ -46,7 +46,7 @@ Estimate estimateOf(std::span<const double> values) {
     return estimate;
 }
 
-Estimate geometricEstimate(std::span<const double> values) {
+std::optional<Estimate> geometricEstimate(std::span<const double> values) {
     std::vector<double> logarithms;
     for (const double value : values) {
         if (!(value > 0) || !std::isfinite(value)) return {};
@@ -54,7 +54,7 @@ Estimate geometricEstimate(std::span<const double> values) {
     }
     const Estimate of = estimateOf(logarithms);
     const double value = std::exp(of.value);
-    return {value, value * of.standardError, std::exp(of.low), std::exp(of.high)};
+    return Estimate{value, value * of.standardError, std::exp(of.low), std::exp(of.high)};
 }
 
 double zOf(const Estimate& mean, double referenceVariance) {

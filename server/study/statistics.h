@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -23,9 +24,9 @@ double studentQuantile(size_t freedom);
 /// Throws Error(invalidArgument) for no values.
 Estimate estimateOf(std::span<const double> values);
 
-/// The geometric mean of positive values, its interval that of the mean of logarithms. Nothing but zeros
-/// where a value is not positive.
-Estimate geometricEstimate(std::span<const double> values);
+/// The geometric mean of positive values, its interval that of the mean of logarithms.
+/// Nothing where a value is not positive.
+std::optional<Estimate> geometricEstimate(std::span<const double> values);
 
 /// How many of its standard deviations a mean is off, where `referenceVariance` is that of what it was
 /// compared with; 0 where neither has any.

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import tempfile
 
-from farm import DATA, FarmTest, ROOT
+from farm import DATA, FarmTest, ROOT, until
 from recorder import Recorder
 
 try:
@@ -137,6 +137,23 @@ class Answers(FarmTest):
             self.call("GET", path, headers={"Accept": "application/json"})
         return self.job(job)["spec"]
 
+    def compare(self, spec):
+        """A study from its start to its reports."""
+        job = {**spec, "frames": {"first": 0}, "output": {}}
+        study = {"job": job, "knobs": [{"path": "settings.maxBounces", "values": [1]}], "seeds": 2, "samples": [2],
+                 "reference": {"samples": 4}}
+        self.call("POST", "/v1/studies", {**study, "seeds": 1})
+        made = self.call("POST", "/v1/studies", study)
+        path = f"/v1/studies/{made.json()['id']}"
+        until(lambda: self.call("GET", path).json()["state"] == "completed", "the end of the study")
+        for end in ("/report.csv", "/report.html"):
+            self.call("GET", path + end)
+        self.call("POST", path + "/cancel")
+        self.call("GET", "/v1/studies?limit=1")
+        self.call("GET", "/v1/studies/none")
+        other = self.call("POST", "/v1/studies", {**study, "samples": [3]}).json()["id"]
+        self.call("POST", f"/v1/studies/{other}/cancel")
+
     def move(self, spec):
         """What jobs are asked to do, and cannot do."""
         self.call("POST", "/v1/jobs?validate=only", spec)
@@ -182,6 +199,7 @@ class Answers(FarmTest):
         self.document = strict(self.get("/v1/openapi.json"))
         self.url = recorder.url
         spec = self.render()
+        self.compare(spec)
         self.programs[-1].stop()
         self.move(spec)
         self.work(spec)

@@ -21,8 +21,8 @@ protected:
     using json = nlohmann::json;
 
     explicit ApiTest(ApiConfig config = defaults())
-        : services{config,       farm.clock,   *farm.store, blobs,  *farm.scheduler,
-                   *farm.merger, *farm.images, events,      metrics} {}
+        : services{config,       farm.clock,   *farm.store, blobs,   *farm.scheduler,
+                   *farm.merger, *farm.images, events,      metrics, studies} {}
     static ApiConfig defaults() {
         ApiConfig config;
         config.folder = "/";
@@ -57,6 +57,7 @@ protected:
     MemoryBlobStore blobs;
     EventBus events;
     Metrics metrics;
+    StudyRunner studies{*farm.store, *farm.scheduler, *farm.images, farm.clock};
     Services services;
     HttpServer server{services, {.host = "127.0.0.1", .port = 0, .keepAliveSeconds = 1}};
     httplib::Client client{"127.0.0.1", server.port()};
