@@ -25,6 +25,8 @@ struct Arguments {
     std::string job, state;
     bool json = false;
     SubmitOptions submit;
+    StudyOptions study;
+    bool cancel = false;
     std::filesystem::path output, input;
     std::string frame, frames, channel, tone = "pbrNeutral";
     float exposure = 0;
@@ -108,6 +110,7 @@ public:
         app_.add_option("--token-file", a_.tokenFile,
                         "file with the server's token; default: the variable TILEFARM_TOKEN");
         addSubmit();
+        addStudies();
         addLooks();
         addMoves();
         addDownload();
@@ -155,6 +158,51 @@ private:
         c.add_option("--png", a_.submit.pictures.png, "wait, then write a PNG to this file");
         addTone(c, a_);
         addDenoised(c, a_);
+    }
+
+    void addStudies() {
+        StudyOptions& study = a_.study;
+        CLI::App& c =
+            command("study", "compare settings of a scene: which knob is worth its time",
+                    online([this](FarmClient& farm) { return submitStudy(farm, a_.study, console_); }));
+        c.add_option("scene", study.base.scene, "a .gltf or .glb")->required();
+        c.add_option("--environment", study.base.environment, "environment map, as for submit");
+        c.add_option("--knob", study.knobs,
+                     "a member of the job and values, as settings.clampIndirect=1,10; may be repeated")
+            ->required()
+            ->take_all()
+            ->allow_extra_args(false);
+        c.add_flag("--grid", study.grid, "all combinations of the values; default: one knob at a time");
+        c.add_option(
+             "--sample-counts", study.samples,
+             "samples per pixel to compare at, as 4,16,64; default: a sixteenth, a quarter and all of "
+             "--samples")
+            ->delimiter(',');
+        c.add_option("--seeds", study.seeds, "pictures of each variant, with different seeds")
+            ->capture_default_str();
+        c.add_option("--reference-samples", study.referenceSamples,
+                     "samples per pixel of the reference; default: 16 times the most of the study");
+        c.add_option("--priority", study.priority, "of the study's jobs")->capture_default_str();
+        c.add_option("--name", study.base.spec.name, "shown in lists");
+        addPictureOptions(c, study.base.spec);
+        c.add_flag("--wait", study.wait,
+                   "wait for its end and print what it found; exit with 1 unless it completed");
+        c.add_option("-o,--output", study.reports,
+                     "wait, then write a report: a file that ends with .html, .csv or .json")
+            ->allow_extra_args(false);
+        CLI::App& list = command(
+            "studies", "list the studies, or show one: verdict and table", online([this](FarmClient& farm) {
+                if (a_.job.empty()) return showStudies(farm, a_.json, console_);
+                if (a_.cancel) return cancelStudy(farm, a_.job, console_);
+                return showStudy(farm, a_.job, a_.study.wait, a_.study.reports, console_);
+            }));
+        list.add_option("id", a_.job, "the study");
+        list.add_flag("--json", a_.json, "the list as JSON");
+        list.add_flag("--cancel", a_.cancel, "end it with its jobs");
+        list.add_flag("--wait", study.wait, "wait for its end; exit with 1 unless it completed");
+        list.add_option("-o,--output", study.reports,
+                        "write a report: a file that ends with .html, .csv or .json")
+            ->allow_extra_args(false);
     }
 
     void addLooks() {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/cli/console.h"
 #include "shared/farm_client/farm_client.h"
@@ -30,11 +31,33 @@ struct SubmitOptions {
     PictureOptions pictures;  // wanted ones make it wait
 };
 
+/// The job with its scene, whose files are on the server then.
+JobSpec uploadScene(FarmClient& farm, const SubmitOptions& options, const Console& console);
 /// Hashes the scene's files, uploads those the server lacks, makes the job and prints its id; waits
 /// for its end and downloads the pictures if asked to.
 int submit(FarmClient& farm, const SubmitOptions& options, const Console& console);
 /// Follows a job with a progress line until it ends; rides out a server that restarts.
 int waitForJob(FarmClient& farm, const std::string& id, const Console& console);
+
+// ---- study.cpp
+
+struct StudyOptions {
+    SubmitOptions base;
+    std::vector<std::string> knobs;  // "settings.clampIndirect=1,10"; a list in brackets is JSON
+    std::vector<uint32_t> samples;
+    uint32_t seeds = 5, referenceSamples = 0;  // 0: the server's usual
+    int32_t priority = 10;
+    bool grid = false, wait = false;
+    std::vector<std::filesystem::path> reports;  // .html, .csv or .json; wanted ones make it wait
+};
+
+/// Uploads the scene, submits a study of it and prints its id.
+int submitStudy(FarmClient& farm, const StudyOptions& options, const Console& console);
+int showStudies(FarmClient& farm, bool json, const Console& console);
+/// Prints what a study found so far, its verdict first, and downloads the reports.
+int showStudy(FarmClient& farm, const std::string& id, bool wait,
+              const std::vector<std::filesystem::path>& reports, const Console& console);
+int cancelStudy(FarmClient& farm, const std::string& id, const Console& console);
 
 // ---- download.cpp
 

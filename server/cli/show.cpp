@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/cli/commands.h"
+#include "server/cli/table.h"
 #include "shared/farm_client/http_status.h"
 
 namespace tilefarm {
@@ -23,29 +24,6 @@ std::string cell(const json& object, const char* name) {
 
 std::string percent(const json& view) {
     return fmt::format("{:.0f} %", 100 * view.value("/progress/fraction"_json_pointer, 0.0));
-}
-
-// Names come from outside: what could drive a terminal is shown as '?'.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
-}
-
-using Row = std::vector<std::string>;
-
-void printTable(const std::vector<Row>& rows, std::ostream& out) {
-    std::vector<size_t> widths;
-    for (const Row& row : rows)
-        for (size_t i = 0; i < row.size(); ++i) {
-            widths.resize(std::max(widths.size(), i + 1));
-            widths[i] = std::max(widths[i], row[i].size());
-        }
-    for (const Row& row : rows) {
-        std::string line;
-        for (size_t i = 0; i < row.size(); ++i) line += fmt::format("{:<{}}  ", printable(row[i]), widths[i]);
-        out << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
-    }
 }
 
 // All pages of the list.
@@ -122,7 +100,7 @@ void printJob(const json& view, std::ostream& out) {
     out << fmt::format("  created         {}\n  started         {}\n  finished        {}\n",
                        cell(view, "createdAt"), cell(view, "startedAt"), cell(view, "finishedAt"));
     if (const json curve = view.value("errorCurve", json::array()); !curve.empty()) {
-        std::vector<Row> rows{{"  samples", "relative error", "device seconds"}};
+        std::vector<TableRow> rows{{"  samples", "relative error", "device seconds"}};
         for (const json& point : curve)
             rows.push_back(
                 {"  " + cell(point, "samples"), cell(point, "relativeError"), cell(point, "deviceSeconds")});
@@ -142,7 +120,7 @@ int showJobs(FarmClient& farm, const std::string& state, bool asJson, const Cons
         console.out << jobs.dump(2) << '\n';
         return kDone;
     }
-    std::vector<Row> rows{{"JOB", "STATE", "DONE", "ERROR", "CREATED", "NAME"}};
+    std::vector<TableRow> rows{{"JOB", "STATE", "DONE", "ERROR", "CREATED", "NAME"}};
     for (const json& view : jobs)
         rows.push_back({cell(view, "id"), cell(view, "state"), percent(view), cell(view, "relativeError"),
                         cell(view, "createdAt"), cell(view.at("spec"), "name")});
@@ -165,7 +143,7 @@ int showWorkers(FarmClient& farm, bool asJson, const Console& console) {
         console.out << answer.at("workers").dump(2) << '\n';
         return kDone;
     }
-    std::vector<Row> rows{{"WORKER", "STATE", "HOST", "DEVICE", "SAMPLES/S", "LAST SEEN"}};
+    std::vector<TableRow> rows{{"WORKER", "STATE", "HOST", "DEVICE", "SAMPLES/S", "LAST SEEN"}};
     for (const json& worker : answer.at("workers"))
         rows.push_back({cell(worker, "worker"), cell(worker, "state"), cell(worker, "host"),
                         cell(worker, "device"), cell(worker, "samplesPerSecond"), cell(worker, "lastSeen")});

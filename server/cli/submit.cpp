@@ -95,7 +95,7 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console) 
     return reportEnd(view, console);
 }
 
-int submit(FarmClient& farm, const SubmitOptions& options, const Console& console) {
+JobSpec uploadScene(FarmClient& farm, const SubmitOptions& options, const Console& console) {
     const BundledScene scene = bundleScene(options.scene, options.environment, options.spec);
     for (const std::string& warning : scene.warnings) console.err << "warning: " << warning << '\n';
     JobSpec spec = options.spec;
@@ -106,6 +106,11 @@ int submit(FarmClient& farm, const SubmitOptions& options, const Console& consol
     jobFromJson(toJson(spec));  // every fault now, before anything is sent
 
     uploadMissing(farm, scene, console);
+    return spec;
+}
+
+int submit(FarmClient& farm, const SubmitOptions& options, const Console& console) {
+    const JobSpec spec = uploadScene(farm, options, console);
     const std::string id = farm.submit(spec).at("id");
     console.out << id << std::endl;
     const PictureOptions& wanted = options.pictures;

@@ -283,6 +283,18 @@ json FarmClient::resume(const std::string& id) {
 json FarmClient::workers() {
     return impl_->get("/v1/workers");
 }
+json FarmClient::submitStudy(const json& request) {
+    return impl_->post("/v1/studies", request);
+}
+json FarmClient::study(const std::string& id) {
+    return impl_->get("/v1/studies/" + percentEncoded(id));
+}
+json FarmClient::studies(const std::string& query) {
+    return impl_->get("/v1/studies" + (query.empty() ? "" : "?" + query));
+}
+json FarmClient::cancelStudy(const std::string& id) {
+    return impl_->post("/v1/studies/" + percentEncoded(id) + "/cancel", json::object());
+}
 void FarmClient::download(const std::string& path, const fs::path& file) {
     impl_->getFile(path, file);
 }

@@ -56,6 +56,13 @@ public:
     nlohmann::json pause(const std::string& id);
     nlohmann::json resume(const std::string& id);
     nlohmann::json workers();
+
+    // Studies, likewise
+    nlohmann::json submitStudy(const nlohmann::json& request);
+    nlohmann::json study(const std::string& id);
+    nlohmann::json studies(const std::string& query = {});
+    nlohmann::json cancelStudy(const std::string& id);
+
     /// Any GET below /v1 streamed into a file, as for "/v1/jobs/7/frames/0/image.exr". The file is
     /// whole or absent.
     void download(const std::string& path, const std::filesystem::path& file);
