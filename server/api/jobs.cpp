@@ -6,6 +6,7 @@
 #include "server/api/services.h"
 #include "server/api/views.h"
 #include "server/report/accuracy.h"
+#include "server/report/forecasts.h"
 #include "server/report/job_report.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
@@ -93,7 +94,9 @@ HttpResponse getReport(Services& s, HttpRequest& r) {
         json report = jobReport(t, job);
         const auto info = s.scheduler.catalog().get(t, job);
         for (const FrameRow& frame : t.frames.list(job.key)) {
-            json view{{"frame", frame.frame}};
+            json view{{"frame", frame.frame},
+                      {"deviceSeconds", frame.deviceSeconds},
+                      {"forecast", keptForecast(frame)}};
             addStop(view, frame, info->spec.stop);
             addAccuracy(view, t, job.key, frame.frame, info->spec.image);
             report["frames"].push_back(view);

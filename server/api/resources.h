@@ -19,6 +19,9 @@ HttpResponse pauseJob(Services& s, HttpRequest& r);
 HttpResponse resumeJob(Services& s, HttpRequest& r);
 HttpResponse getReport(Services& s, HttpRequest& r);
 
+HttpResponse postForecast(Services& s, HttpRequest& r);
+HttpResponse getForecast(Services& s, HttpRequest& r);
+
 HttpResponse listFrames(Services& s, HttpRequest& r);
 HttpResponse getFrame(Services& s, HttpRequest& r);
 HttpResponse getExr(Services& s, HttpRequest& r);

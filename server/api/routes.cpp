@@ -25,6 +25,8 @@ constexpr std::array kRoutes{
     Route{"POST", "/v1/jobs/{job}/pause", pauseJob},
     Route{"POST", "/v1/jobs/{job}/resume", resumeJob},
     Route{"GET", "/v1/jobs/{job}/report", getReport},
+    Route{"GET", "/v1/jobs/{job}/forecast", getForecast},
+    Route{"POST", "/v1/forecasts", postForecast},
     Route{"GET", "/v1/jobs/{job}/mattes/{file}", getMatteManifest},
     Route{"GET", "/v1/jobs/{job}/frames", listFrames},
     Route{"GET", "/v1/jobs/{job}/frames/{frame}", getFrame},

@@ -153,6 +153,10 @@ private:
         addJobOptions(c, a_.submit.spec);
         c.add_flag("--wait", a_.submit.wait,
                    "show the job's progress until it ends; exit with 1 unless it completed");
+        c.add_flag(
+            "--dry-run", a_.submit.dryRun,
+            "render a pilot of 16 samples per pixel and tell what the job would take to several relative "
+            "errors; the job itself is not submitted");
         c.add_option("-o,--output", a_.submit.pictures.exr,
                      "wait, then write the EXR to this file; ### becomes the frame number");
         c.add_option("--png", a_.submit.pictures.png, "wait, then write a PNG to this file");
@@ -221,6 +225,14 @@ private:
             command("wait", "show a job's progress until it ends; exit with 1 unless it completed",
                     online([this](FarmClient& farm) { return waitForJob(farm, a_.job, console_); }));
         wait.add_option("id", a_.job, "the job")->required();
+        CLI::App& forecast = command(
+            "forecast",
+            "tell what a job would take in all to several relative errors, from what is rendered of it",
+            online([this](FarmClient& farm) {
+                return showForecast(farm, "/v1/jobs/" + a_.job + "/forecast", a_.json, console_);
+            }));
+        forecast.add_option("id", a_.job, "the job")->required();
+        forecast.add_flag("--json", a_.json, "as JSON");
         CLI::App& workers =
             command("workers", "list the workers",
                     online([this](FarmClient& farm) { return showWorkers(farm, a_.json, console_); }));

@@ -28,6 +28,7 @@ struct SubmitOptions {
     JobSpec spec;  // all but the scene's files
     std::filesystem::path scene, environment;
     bool wait = false;
+    bool dryRun = false;  // a pilot alone, and what the job would take
     PictureOptions pictures;  // wanted ones make it wait
 };
 
@@ -86,6 +87,8 @@ int makeMovie(FarmClient& farm, const std::string& id, const std::filesystem::pa
 int showJobs(FarmClient& farm, const std::string& state, bool json, const Console& console);
 int showJob(FarmClient& farm, const std::string& id, bool json, const Console& console);
 int showWorkers(FarmClient& farm, bool json, const Console& console);
+/// A table of error targets and what they would take. `path`: of the forecast, as the API gives it.
+int showForecast(FarmClient& farm, const std::string& path, bool json, const Console& console);
 enum class Move { cancel, pause, resume };
 int moveJob(FarmClient& farm, const std::string& id, Move move, const Console& console);
 

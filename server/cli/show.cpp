@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 
 #include "server/cli/commands.h"
+#include "server/cli/progress.h"
 #include "server/cli/table.h"
 #include "shared/farm_client/http_status.h"
 
@@ -147,6 +149,53 @@ int showWorkers(FarmClient& farm, bool asJson, const Console& console) {
     for (const json& worker : answer.at("workers"))
         rows.push_back({cell(worker, "worker"), cell(worker, "state"), cell(worker, "host"),
                         cell(worker, "device"), cell(worker, "samplesPerSecond"), cell(worker, "lastSeen")});
+    printTable(rows, console.out);
+    return kDone;
+}
+
+namespace {
+
+std::string secondsText(double seconds) {
+    return seconds < 100 ? fmt::format("{:.3g} s", seconds)
+                         : clockFace(std::chrono::seconds(std::llround(seconds)));
+}
+
+std::string secondsCell(const json& seconds) {
+    if (seconds.is_null()) return "-";
+    const json& interval = seconds.at("interval");
+    return fmt::format("{} ({} to {})", secondsText(seconds.at("value")), secondsText(interval.at(0)),
+                       secondsText(interval.at(1)));
+}
+
+TableRow forecastRow(const std::string& name, const json& expected) {
+    if (expected.is_null()) return {name, "beyond 65536", "-", "-"};
+    return {name, fmt::format("{:.0f}", expected.at("samples").get<double>()),
+            secondsCell(expected.at("deviceSeconds")), secondsCell(expected.at("wallSeconds"))};
+}
+
+}  // namespace
+
+int showForecast(FarmClient& farm, const std::string& path, bool asJson, const Console& console) {
+    const json view = farm.forecast(path);
+    if (asJson) {
+        console.out << view.dump(2) << '\n';
+        return kDone;
+    }
+    const json& basis = view.at("basis");
+    if (basis.is_null()) {
+        console.err << "nothing is known yet: three pass levels of a frame have to be complete\n";
+        return kFailed;
+    }
+    console.err << fmt::format(
+        "told from {} samples per pixel with a relative error of {:.3g} %, for {} frame{} and "
+        "{} worker{}\n",
+        basis.at("samples").get<uint32_t>(), basis.at("relativeError").get<double>() * 100,
+        view.at("frames").get<uint32_t>(), view.at("frames") == 1 ? "" : "s", view.at("workers").size(),
+        view.at("workers").size() == 1 ? "" : "s");
+    std::vector<TableRow> rows{{"RELATIVE ERROR", "SAMPLES", "DEVICE TIME", "TIME"}};
+    for (const json& target : view.at("targets"))
+        rows.push_back(forecastRow(fmt::format("{:.3g} %", target.at("relativeError").get<double>() * 100),
+                                   target.at("forecast")));
     printTable(rows, console.out);
     return kDone;
 }

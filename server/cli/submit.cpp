@@ -95,6 +95,19 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console) 
     return reportEnd(view, console);
 }
 
+namespace {
+
+// The targets of every forecast after the job's own.
+int forecastJob(FarmClient& farm, const JobSpec& spec, const Console& console) {
+    const json started = farm.startForecast(spec);
+    if (const int code = waitForJob(farm, started.at("pilot"), console); code != kDone) return code;
+    std::string path = started.at("forecast");
+    path += spec.stop.relativeError > 0 ? "," : "&relativeError=";
+    return showForecast(farm, path + "0.05,0.02,0.01,0.005", false, console);
+}
+
+}  // namespace
+
 JobSpec uploadScene(FarmClient& farm, const SubmitOptions& options, const Console& console) {
     const BundledScene scene = bundleScene(options.scene, options.environment, options.spec);
     for (const std::string& warning : scene.warnings) console.err << "warning: " << warning << '\n';
@@ -111,6 +124,7 @@ JobSpec uploadScene(FarmClient& farm, const SubmitOptions& options, const Consol
 
 int submit(FarmClient& farm, const SubmitOptions& options, const Console& console) {
     const JobSpec spec = uploadScene(farm, options, console);
+    if (options.dryRun) return forecastJob(farm, spec, console);
     const std::string id = farm.submit(spec).at("id");
     console.out << id << std::endl;
     const PictureOptions& wanted = options.pictures;

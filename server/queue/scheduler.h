@@ -197,6 +197,7 @@ private:
 
     void measureTile(Tables& t, const FrameRow& frame, const TileMerge& tile);
     static bool atFixedPoint(const FrameRow& frame, const JobInfo& info);
+    static void keepForecast(const Tables& t, FrameRow& frame, const JobInfo& info);
     void decideNext(Tables& t, JobRow& job, FrameRow& frame, const JobInfo& info);
     static uint64_t passesBeforeFixedPoints(const JobInfo& info, const std::vector<FrameRow>& frames);
     static FrameWork workOfNext(const Tables& t, const JobRow& job, const JobInfo& info);

@@ -165,6 +165,7 @@ void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const Jo
         }
     }
     const double seconds = frame.deviceSeconds - secondsBefore;
+    const uint32_t samplesBefore = frame.samplesMerged;
     double total = 0, soFar = 0;
     const auto weight = [&](const LevelRow& sum) {
         return static_cast<double>(sum.tiles) * info.levelEnding(sum.samples)->count;
@@ -190,6 +191,7 @@ void Scheduler::completeLevels(Tables& t, JobRow& job, FrameRow& frame, const Jo
         }
         t.frames.put(level);
     }
+    if (frame.samplesMerged > samplesBefore) keepForecast(t, frame, info);
     if (frame.samplesMerged == info.spec.stop.samples && frame.state == FrameState::active &&
         !info.spec.stop.decidesOnTheWay())
         finishFrame(t, job, frame, StopReason::samples);
@@ -206,6 +208,8 @@ void Scheduler::frameWritten(JobKey key, int32_t number, const std::string& exrS
         frame.exrBytes = exrBytes;
         t.frames.update(frame);
         t.frames.dropTiles(key, number);
+        // Of a single frame, such as a pilot's, what the tiles measured stays for forecasts.
+        if (job.frames > 1) t.frames.dropTileErrors(key, number);
         t.passes.drop(key, number);
         note(t, job, "frame", frameStateJson(frame));
         ++job.framesDone;

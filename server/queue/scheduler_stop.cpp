@@ -6,9 +6,12 @@
 // the last pass: a server that is killed has either not come to the fixed point or has decided.
 #include "server/queue/event_json.h"
 #include "server/queue/scheduler.h"
+#include "server/report/forecasts.h"
 
 namespace tilefarm {
 namespace {
+
+constexpr double kShareBeforeForecast = 0.1;  // of what a frame is expected to take
 
 // In the order of tiles: sums of doubles depend on it.
 LevelRow levelOf(const FrameRow& frame, const std::vector<TileErrorRow>& tiles) {
@@ -59,6 +62,7 @@ void Scheduler::decideNext(Tables& t, JobRow& job, FrameRow& frame, const JobInf
     level.deviceSeconds = frame.deviceSeconds;
     completeLevel(t, job, frame, info, level);
     t.frames.put(level);
+    keepForecast(t, frame, info);
 
     const double wallSeconds =
         std::chrono::duration<double>(clock_.now() - frame.started.value_or(clock_.now())).count();
@@ -69,6 +73,19 @@ void Scheduler::decideNext(Tables& t, JobRow& job, FrameRow& frame, const JobInf
         finishFrame(t, job, frame, *next.stop);
     else
         promote(t, frame, info, rows, next.tiles);
+}
+
+// Once, when enough is spent to tell and enough is left for it to matter.
+void Scheduler::keepForecast(const Tables& t, FrameRow& frame, const JobInfo& info) {
+    if (frame.forecastAt || frame.state != FrameState::active) return;
+    const auto outlook = outlookOf(t, frame, info.spec);
+    if (!outlook) return;
+    const Forecast f = forecastOf(*outlook, info.spec.stop);
+    if (outlook->deviceSeconds < kShareBeforeForecast * f.deviceSeconds) return;
+    frame.forecastAt = outlook->deviceSeconds;
+    frame.forecastSeconds = f.deviceSeconds;
+    frame.forecastLow = f.low;
+    frame.forecastHigh = f.high;
 }
 
 // What there is to hand out before all have brought theirs; 0 where nothing waits for that.

@@ -61,12 +61,12 @@ struct FrameTable {
     virtual std::optional<TileRow> tile(JobKey job, int32_t frame, uint32_t tile) const = 0;
     virtual std::vector<TileRow> tiles(JobKey job, int32_t frame) const = 0;
     virtual void update(const TileRow& row) = 0;
-    /// What the tiles measured goes with them.
     virtual void dropTiles(JobKey job, int32_t frame) = 0;
     virtual std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const = 0;
     /// By tile.
     virtual std::vector<TileErrorRow> tileErrors(JobKey job, int32_t frame) const = 0;
     virtual void put(const TileErrorRow& row) = 0;
+    virtual void dropTileErrors(JobKey job, int32_t frame) = 0;
     /// Of all frames of the job that have rows.
     virtual FrameWork work(JobKey job) const = 0;
     virtual std::optional<LevelRow> level(JobKey job, int32_t frame, uint32_t samples) const = 0;

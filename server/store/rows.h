@@ -83,6 +83,8 @@ struct FrameRow {
     std::optional<TimePoint> started{};
     std::optional<StopReason> stopReason{};  // once all is merged
     uint64_t passes = 0, pixelSamples = 0;   // in all, as far as can be foreseen
+    // Device seconds that the frame was expected to take, with their interval, told once it had taken forecastAt.
+    std::optional<double> forecastAt{}, forecastSeconds{}, forecastLow{}, forecastHigh{};
 };
 
 /// Work of frames, as far as can be foreseen.

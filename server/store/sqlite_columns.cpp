@@ -104,7 +104,11 @@ constexpr std::array kFrames{column<&FrameRow::job>("job"),
                              column<&FrameRow::started>("started"),
                              column<&FrameRow::stopReason>("stop_reason"),
                              column<&FrameRow::passes>("passes"),
-                             column<&FrameRow::pixelSamples>("pixel_samples")};
+                             column<&FrameRow::pixelSamples>("pixel_samples"),
+                             column<&FrameRow::forecastAt>("forecast_at"),
+                             column<&FrameRow::forecastSeconds>("forecast_seconds"),
+                             column<&FrameRow::forecastLow>("forecast_low"),
+                             column<&FrameRow::forecastHigh>("forecast_high")};
 
 constexpr std::array kTiles{column<&TileRow::job>("job"), column<&TileRow::frame>("frame"),
                             column<&TileRow::tile>("tile"), column<&TileRow::slot>("slot"),

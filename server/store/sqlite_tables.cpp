@@ -121,6 +121,8 @@ struct Frames : FrameTable {
     void update(const TileRow& row) override { c.query(sql::frames::updateTile).setRow(row).run(); }
     void dropTiles(JobKey job, int32_t frame) override {
         c.query(sql::frames::dropTiles).set(":job", job).set(":frame", frame).run();
+    }
+    void dropTileErrors(JobKey job, int32_t frame) override {
         c.query(sql::frames::dropTileErrors).set(":job", job).set(":frame", frame).run();
     }
     std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const override {

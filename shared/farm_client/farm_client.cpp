@@ -265,6 +265,12 @@ json FarmClient::submit(const JobSpec& spec, const std::string& idempotencyKey) 
 json FarmClient::validate(const JobSpec& spec) {
     return impl_->post("/v1/jobs?validate=only", toJson(spec));
 }
+json FarmClient::startForecast(const JobSpec& spec) {
+    return impl_->post("/v1/forecasts", {{"job", toJson(spec)}});
+}
+json FarmClient::forecast(const std::string& path) {
+    return impl_->get(path);
+}
 json FarmClient::jobs(const std::string& query) {
     return impl_->get("/v1/jobs" + (query.empty() ? "" : "?" + query));
 }

@@ -50,6 +50,10 @@ public:
     // Jobs; answers are the API's own JSON
     nlohmann::json submit(const JobSpec& spec, const std::string& idempotencyKey = {});
     nlohmann::json validate(const JobSpec& spec);
+    /// Starts the pilot of a job; what the API answers, with the path of the forecast.
+    nlohmann::json startForecast(const JobSpec& spec);
+    /// `path`: of startForecast, with further query parameters.
+    nlohmann::json forecast(const std::string& path);
     nlohmann::json jobs(const std::string& query = {});
     nlohmann::json job(const std::string& id);
     nlohmann::json cancel(const std::string& id);

@@ -10,6 +10,8 @@
 namespace tilefarm {
 namespace {
 
+constexpr double kRounding = 1e-9;  // of a sum that goes up and down
+
 // A tile's next pass, and how much of the frame's summed squared error it takes away per pixel sample.
 struct Promotion {
     double worth = 0;
@@ -30,8 +32,8 @@ public:
     void promoteAll() {
         for (uint32_t& samples : samples_) samples = schedule_.back().end();
     }
-    /// At least one pass, if any tile with error can have one.
-    void promoteUntil(double allowed) {
+    /// At least so many passes, if tiles with error can have them. Gives the summed variance expected then.
+    double promoteUntil(double allowed, uint64_t least) {
         weigh();
         std::priority_queue<Promotion> promotions;
         double left = 0;
@@ -39,13 +41,14 @@ public:
             left += weights_[t] / samples_[t];
             offer(promotions, t);
         }
-        for (bool first = true; !promotions.empty() && (first || left > allowed); first = false) {
+        for (uint64_t made = 0; !promotions.empty() && (made < least || left > allowed); ++made) {
             const uint32_t t = promotions.top().tile;
             promotions.pop();
             const uint32_t before = std::exchange(samples_[t], nextPass(schedule_, samples_[t])->end());
             left -= weights_[t] / before - weights_[t] / samples_[t];
             offer(promotions, t);
         }
+        return left;
     }
 
     SampleDecision decision() const {
@@ -150,6 +153,13 @@ uint32_t meanSamples(std::span<const TileError> tiles) {
     return static_cast<uint32_t>(pixels == 0 ? 0 : pixelSamples(tiles) / pixels);
 }
 
+std::optional<uint64_t> samplesUntil(const std::vector<SampleRange>& schedule,
+                                     std::span<const TileError> tiles, double allowed) {
+    SamplePlan plan(schedule, tiles);
+    if (plan.promoteUntil(allowed, 0) > allowed * (1 + kRounding)) return {};
+    return plan.decision().pixelSamples;
+}
+
 SampleDecision decide(const StopCondition& stop, const std::vector<SampleRange>& schedule,
                       std::span<const TileError> tiles, const FrameCost& cost) {
     uint64_t pixels = 0;
@@ -164,7 +174,10 @@ SampleDecision decide(const StopCondition& stop, const std::vector<SampleRange>&
         return complete(StopReason::relativeError, schedule, tiles);
 
     SamplePlan plan(schedule, tiles);
-    believed ? plan.promoteUntil(allowed) : plan.promoteAll();
+    if (believed)
+        plan.promoteUntil(allowed, 1);
+    else
+        plan.promoteAll();
     SampleDecision next = plan.decision();
     if (next.tiles.empty()) return complete(StopReason::samples, schedule, tiles);
 

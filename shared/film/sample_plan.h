@@ -53,6 +53,11 @@ uint32_t passesUpTo(const std::vector<SampleRange>& schedule, uint32_t samples);
 /// Samples per pixel, the mean over the frame, rounded down.
 uint32_t meanSamples(std::span<const TileError> tiles);
 
+/// Pixel samples in all once the tiles' summed variance is at most `allowed`, as `decide` would promote them
+/// by what is known now; nothing where the schedule ends before.
+std::optional<uint64_t> samplesUntil(const std::vector<SampleRange>& schedule,
+                                     std::span<const TileError> tiles, double allowed);
+
 /// `tiles` are all of the frame, every one past the free levels. Pure. Tiles are promoted, the one first
 /// whose error falls most per sample, until the error expected then meets the target; each of these gets one
 /// pass. A round that would exceed a time limit, by the pace so far, is not begun.

@@ -141,7 +141,10 @@ public:
     void object(Member, FrameSet&) {}
 
 private:
-    std::string nameOf(const Member& m) const { return "--" + prefix_ + optionName(m.name).substr(2); }
+    std::string nameOf(const Member& m) const {
+        const std::string name = "--" + prefix_ + optionName(m.name).substr(2);
+        return m.name == "relativeError" ? name + ",--error" : name;  // the condition that is asked for most
+    }
     bool wanted(const Member& m) const { return ofFarm_ || (m.name != "name" && m.name != "priority"); }
     void within(const char* prefix, auto& value) {
         const std::string outer = std::exchange(prefix_, prefix);

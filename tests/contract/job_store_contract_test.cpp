@@ -458,7 +458,7 @@ TEST_P(JobStoreContract, KeepsWhatTilesMeasure) {
         EXPECT_EQ(t.frames.tileErrors(job, 0)[0].tile, 0u);
         EXPECT_EQ(t.frames.tileErrors(job, 0)[1], row);
     });
-    write([&](Tables& t) { t.frames.dropTiles(job, 0); });
+    write([&](Tables& t) { t.frames.dropTileErrors(job, 0); });
     read([&](const ConstTables& t) { EXPECT_TRUE(t.frames.tileErrors(job, 0).empty()); });
 }
 
@@ -470,6 +470,10 @@ TEST_P(JobStoreContract, SumsUpTheWorkOfFrames) {
         frame.passes = 7;
         frame.pixelSamples = 700;
         frame.stopReason = StopReason::wallSeconds;
+        frame.forecastAt = 1;
+        frame.forecastSeconds = 10;
+        frame.forecastLow = 9;
+        frame.forecastHigh = 12;
         t.frames.update(frame);
         frame.frame = 1;
         frame.started = kNow;
@@ -479,6 +483,10 @@ TEST_P(JobStoreContract, SumsUpTheWorkOfFrames) {
     read([&](const ConstTables& t) {
         EXPECT_EQ(t.frames.work(job), (FrameWork{.passes = 8, .pixelSamples = 1400}));
         EXPECT_EQ(t.frames.find(job, 0)->stopReason, StopReason::wallSeconds);
+        EXPECT_EQ(t.frames.find(job, 1)->forecastAt, 1);
+        EXPECT_EQ(t.frames.find(job, 0)->forecastSeconds, 10);
+        EXPECT_EQ(t.frames.find(job, 0)->forecastLow, 9);
+        EXPECT_EQ(t.frames.find(job, 1)->forecastHigh, 12);
         EXPECT_EQ(t.frames.find(job, 1)->started, kNow);
     });
 }

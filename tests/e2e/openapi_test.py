@@ -128,7 +128,7 @@ class Answers(FarmTest):
         self.wait_for_end(job)
         self.download(job)
         self.cli("job", job)
-        for path in ("", "/report", "/frames", "/frames/0", "/frames/1", "/frames/7", "/frames/0/image.exr",
+        for path in ("", "/report", "/forecast", "/forecast?relativeError=none", "/frames", "/frames/0", "/frames/1", "/frames/7", "/frames/0/image.exr",
                      "/frames/0/image.png", "/frames/0/image.png?exposure=99", "/frames/0/image.png?denoised=1",
                      "/frames/0/preview.png?width=8", "/mattes/none.json", "/events?after=0"):
             self.call("GET", f"/v1/jobs/{job}{path}", headers={"Accept": "application/json"})
@@ -158,6 +158,10 @@ class Answers(FarmTest):
         """What jobs are asked to do, and cannot do."""
         self.call("POST", "/v1/jobs?validate=only", spec)
         self.call("POST", "/v1/jobs", {})
+        self.call("POST", "/v1/forecasts", {})
+        pilot = self.call("POST", "/v1/forecasts", {"job": spec}).json()["pilot"]
+        self.call("GET", f"/v1/jobs/{pilot}/forecast")
+        self.call("POST", f"/v1/jobs/{pilot}/cancel")
         job = self.call("POST", "/v1/jobs", spec).json()["id"]
         for verb in ("pause", "resume", "cancel", "cancel", "resume"):
             self.call("POST", f"/v1/jobs/{job}/{verb}")

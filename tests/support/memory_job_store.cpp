@@ -14,6 +14,11 @@ using FrameKey = std::pair<JobKey, int32_t>;
 using TileKey = std::tuple<JobKey, int32_t, uint32_t>;
 using PassKey = std::tuple<JobKey, int32_t, uint32_t, uint32_t>;  // job, frame, first sample, tile
 
+template <typename Rows>
+void dropOfFrame(Rows& rows, JobKey job, int32_t frame) {
+    std::erase_if(rows, [&](const auto& at) { return at.second.job == job && at.second.frame == frame; });
+}
+
 [[noreturn]] void refuse(const std::string& what) {
     throw Error(ErrorCode::conflict, what);
 }
@@ -168,11 +173,8 @@ struct Frames : FrameTable {
         if (row.mergedSamples < old.mergedSamples) refuse("merged samples are never given up");
         old = row;
     }
-    void dropTiles(JobKey job, int32_t frame) override {
-        const auto ofFrame = [&](const auto& at) { return at.second.job == job && at.second.frame == frame; };
-        std::erase_if(tileRows, ofFrame);
-        std::erase_if(errorRows, ofFrame);
-    }
+    void dropTiles(JobKey job, int32_t frame) override { dropOfFrame(tileRows, job, frame); }
+    void dropTileErrors(JobKey job, int32_t frame) override { dropOfFrame(errorRows, job, frame); }
     std::optional<TileErrorRow> tileError(JobKey job, int32_t frame, uint32_t tile) const override {
         const auto at = errorRows.find({job, frame, tile});
         return at == errorRows.end() ? std::nullopt : std::optional(at->second);

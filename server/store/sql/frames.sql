@@ -22,11 +22,12 @@ SELECT count(*) AS frames FROM frames INDEXED BY frames_by_state WHERE state = '
 INSERT INTO frames (
     job, frame, state, levels, levels_created, tiles, passes_merged, passes_queued, passes_leased,
     samples_merged, relative_error, device_seconds, dropped_samples, revision, exr_sha256, exr_bytes,
-    started, stop_reason, passes, pixel_samples)
+    started, stop_reason, passes, pixel_samples, forecast_at, forecast_seconds, forecast_low, forecast_high)
 VALUES (
     :job, :frame, :state, :levels, :levels_created, :tiles, :passes_merged, :passes_queued, :passes_leased,
     :samples_merged, :relative_error, :device_seconds, :dropped_samples, :revision, :exr_sha256, :exr_bytes,
-    :started, :stop_reason, :passes, :pixel_samples);
+    :started, :stop_reason, :passes, :pixel_samples, :forecast_at, :forecast_seconds, :forecast_low,
+    :forecast_high);
 
 -- name: update
 UPDATE frames SET
@@ -35,7 +36,9 @@ UPDATE frames SET
     relative_error = :relative_error, device_seconds = :device_seconds,
     dropped_samples = :dropped_samples, revision = :revision,
     exr_sha256 = :exr_sha256, exr_bytes = :exr_bytes,
-    stop_reason = :stop_reason, passes = :passes, pixel_samples = :pixel_samples
+    stop_reason = :stop_reason, passes = :passes, pixel_samples = :pixel_samples,
+    forecast_at = :forecast_at, forecast_seconds = :forecast_seconds, forecast_low = :forecast_low,
+    forecast_high = :forecast_high
  WHERE job = :job AND frame = :frame;
 
 -- name: work

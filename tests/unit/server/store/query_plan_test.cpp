@@ -117,6 +117,7 @@ private:
         frames.levels(job_, 0);
         frames.put(LevelRow{.job = job_, .samples = 1, .relativeError = {}, .deviceSeconds = {}});
         frames.dropTiles(job_, 1);
+        frames.dropTileErrors(job_, 1);
     }
     void callPasses(PassTable& passes) {
         passes.lowestQueued(job_, 0, 0);
