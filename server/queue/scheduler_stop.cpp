@@ -11,7 +11,8 @@
 namespace tilefarm {
 namespace {
 
-constexpr double kShareBeforeForecast = 0.1;  // of what a frame is expected to take
+constexpr double kShareBeforeForecast = 0.1;     // of what a frame is expected to take
+constexpr uint32_t kSamplesBeforeForecast = 16;  // fewer say little of the error
 
 // In the order of tiles: sums of doubles depend on it.
 LevelRow levelOf(const FrameRow& frame, const std::vector<TileErrorRow>& tiles) {
@@ -77,7 +78,8 @@ void Scheduler::decideNext(Tables& t, JobRow& job, FrameRow& frame, const JobInf
 
 // Once, when enough is spent to tell and enough is left for it to matter.
 void Scheduler::keepForecast(const Tables& t, FrameRow& frame, const JobInfo& info) {
-    if (frame.forecastAt || frame.state != FrameState::active) return;
+    if (frame.forecastAt || frame.state != FrameState::active || frame.samplesMerged < kSamplesBeforeForecast)
+        return;
     const auto outlook = outlookOf(t, frame, info.spec);
     if (!outlook) return;
     const Forecast f = forecastOf(*outlook, info.spec.stop);
