@@ -103,7 +103,7 @@ TEST_F(FarmClientTest, SubmitsAndFollowsAJob) {
 TEST_F(FarmClientTest, CarriesEveryFaultOfARefusedJob) {
     JobSpec spec = specOf(store("scene"));
     spec.image.width = 40000;
-    spec.stop.samples = 0;
+    spec.stop.samples = (1u << 24) + 1;
     const Error error = errorOf([&] { client.submit(spec); });
     EXPECT_EQ(error.code, ErrorCode::invalidArgument);
     EXPECT_EQ(error.faults.size(), 2u);
@@ -133,6 +133,7 @@ TEST_F(FarmClientTest, TakesLeasesAndTheWaitWhereThereIsNone) {
     offered.id = "l-1", offered.epoch = 3, offered.jobId = "1";
     offered.spec = specOf(std::string(64, 'a'));
     offered.spec.image = {.width = 64, .height = 32};
+    offered.spec.stop.samples = 64;
     offered.passes = {{0, {0, 1}}};
     farm.offerLease(toJson(offered).dump());
     EXPECT_EQ(std::get<Lease>(client.lease(kHello, 5)), offered);
