@@ -10,6 +10,7 @@
 #include "server/api/views.h"
 #include "shared/digest/digest.h"
 #include "shared/error/error.h"
+#include "shared/job/json_reader.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -28,7 +29,7 @@ struct Wanted {
 };
 
 Wanted wantedFrom(const json& body) {
-    std::vector<Fault> faults;
+    Faults faults;
     Wanted wanted;
     if (!body.is_object())
         throw Error(ErrorCode::invalidArgument, "a forecast is asked for by a JSON object");
@@ -36,15 +37,14 @@ Wanted wantedFrom(const json& body) {
         if (name == "job")
             wanted.job = value;
         else if (name != "samples")
-            faults.push_back({"/" + pointerToken(name), "is not known here"});
+            faults.add("/" + pointerToken(name), "unknown member");
         else if (!value.is_number_unsigned() || value < kLeastPilotSamples || value > kMostPilotSamples)
-            faults.push_back({"/samples", "must be a whole number from 8 to 4096"});
+            faults.add("/samples", "must be a whole number from 8 to 4096");
         else
             wanted.samples = value;
     }
-    if (!body.contains("job")) faults.push_back({"/job", "is missing: the job to forecast"});
-    if (!faults.empty())
-        throw Error(ErrorCode::invalidArgument, "the request for a forecast", std::move(faults));
+    if (!body.contains("job")) faults.add("/job", "is missing: the job to forecast");
+    faults.throwIfAny(ErrorCode::invalidArgument, "the request for a forecast");
     return wanted;
 }
 
@@ -52,8 +52,10 @@ Wanted wantedFrom(const json& body) {
 JobSpec jobWithin(const Services& s, const json& job) {
     try {
         return acceptedJob(s, jobFromJson(job));
-    } catch (Error& error) {
-        for (Fault& fault : error.faults) fault.pointer = "/job" + fault.pointer;
+    } catch (const Error& error) {
+        Faults faults;
+        faults.addBelow("/job", error);
+        faults.throwIfAny(error.code, "the request for a forecast");
         throw;
     }
 }
@@ -111,7 +113,10 @@ HttpResponse postForecast(Services& s, HttpRequest& r) {
         s.scheduler.submit(pilotOf(spec, wanted.samples), r.header("Idempotency-Key"), sha256Hex(body));
     const std::string& id = submission.job.id;
     std::string forecast = "/v1/jobs/" + id + "/forecast?frames=" + std::to_string(spec.frames.count);
-    if (spec.stop.relativeError > 0) forecast += "&relativeError=" + json(spec.stop.relativeError).dump();
+    if (spec.stop.relativeError > 0) {
+        forecast += "&relativeError=" + json(spec.stop.relativeError).dump();
+        for (const double usual : kUsualTargets) forecast += "," + json(usual).dump();
+    }
     auto response =
         jsonResponse(submission.created ? 201 : 200, dump({{"pilot", id}, {"forecast", forecast}}));
     response.headers.emplace("Location", forecast);

@@ -8,6 +8,7 @@
 #include "server/study/page.h"
 #include "server/study/result.h"
 #include "shared/error/error.h"
+#include "shared/job/json_reader.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -79,9 +80,9 @@ StudyRequest acceptedStudy(const Services& s, const json& body) {
     try {
         request.job = acceptedJob(s, std::move(request.job));
     } catch (const Error& error) {
-        std::vector<Fault> faults = error.faults;
-        for (Fault& fault : faults) fault.pointer = "/job" + fault.pointer;
-        throw Error(error.code, error.what(), std::move(faults));
+        Faults faults;
+        faults.addBelow("/job", error);
+        faults.throwIfAny(error.code, "the study");
     }
     const StudyPlan plan(request);  // every fault now
     for (const StudyVariant& variant : plan.variants()) requireModestTiles(jobFromJson(variant.job).image);

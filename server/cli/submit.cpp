@@ -97,13 +97,10 @@ int waitForJob(FarmClient& farm, const std::string& id, const Console& console) 
 
 namespace {
 
-// The targets of every forecast after the job's own.
 int forecastJob(FarmClient& farm, const JobSpec& spec, const Console& console) {
     const json started = farm.startForecast(spec);
     if (const int code = waitForJob(farm, started.at("pilot"), console); code != kDone) return code;
-    std::string path = started.at("forecast");
-    path += spec.stop.relativeError > 0 ? "," : "&relativeError=";
-    return showForecast(farm, path + "0.05,0.02,0.01,0.005", false, console);
+    return showForecast(farm, started.at("forecast"), false, console);
 }
 
 }  // namespace

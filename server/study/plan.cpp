@@ -47,24 +47,20 @@ std::string words(const json& value) {
 
 StudyPlan::StudyPlan(StudyRequest request) : request_(std::move(request)), base_(toJson(request_.job)) {
     if (uint64_t{request_.job.image.width} * request_.job.image.height > kMostStudyPixels)
-        faults_.push_back({"/job/image", "a study's pictures have at most 2097152 pixels"});
+        faults_.add("/job/image", "a study's pictures have at most 2097152 pixels");
     addVariant({});
     for (size_t k = 0; k < request_.knobs.size(); ++k) {
         if (!isKnob(request_.knobs[k].path))
-            faults_.push_back({"/knobs/" + std::to_string(k) + "/path",
-                               "'" + request_.knobs[k].path + "' is no knob: the study decides it"});
+            faults_.add("/knobs/" + std::to_string(k) + "/path",
+                        "'" + request_.knobs[k].path + "' is no knob: the study decides it");
     }
-    if (faults_.empty()) {
+    if (faults_.none()) {
         if (request_.grid) addGrid();
         for (size_t k = 0; k < request_.knobs.size() && !request_.grid; ++k)
             for (size_t v = 0; v < request_.knobs[k].values.size(); ++v) addVariant({{k, v}});
     }
-    if (faults_.empty()) requireFewJobs();
-    if (!faults_.empty())
-        throw Error(ErrorCode::invalidArgument,
-                    "the study has " + std::to_string(faults_.size()) +
-                        " fault(s); first: " + faults_[0].pointer + ": " + faults_[0].message,
-                    faults_);
+    if (faults_.none()) requireFewJobs();
+    faults_.throwIfAny(ErrorCode::invalidArgument, "the study");
     for (const uint32_t samples : request_.samples)
         for (uint32_t variant = 0; variant < variants_.size(); ++variant)
             cells_.push_back({variant, samples});
@@ -77,8 +73,7 @@ void StudyPlan::addGrid() {
          request_.knobs)  // no further than it may go: the product of all may overflow
         if (count <= kMostStudyJobs) count *= knob.values.size();
     if (count * request_.samples.size() * request_.seeds > kMostStudyJobs)
-        return faults_.push_back(
-            {"/grid", "the grid makes more than " + std::to_string(kMostStudyJobs) + " jobs"});
+        return faults_.add("/grid", "the grid makes more than " + std::to_string(kMostStudyJobs) + " jobs");
     for (size_t i = 0; i < count; ++i) {
         std::vector<std::pair<size_t, size_t>> choice;
         size_t rest = i;
@@ -106,7 +101,7 @@ void StudyPlan::addVariant(const std::vector<std::pair<size_t, size_t>>& choice)
             variant.label += (variant.label.empty() ? "" : ", ") + knob.path + " = " + words(knob.values[v]);
         }
     } catch (const json::exception&) {
-        return faults_.push_back({pointer, "the job has no member of this path"});
+        return faults_.add(pointer, "the job has no member of this path");
     }
     const auto known = std::any_of(variants_.begin(), variants_.end(),
                                    [&](const StudyVariant& other) { return other.job == variant.job; });
@@ -117,18 +112,16 @@ void StudyPlan::requireJob(const StudyVariant& variant, const std::string& point
     try {
         const JobSpec spec = jobFromJson(variant.job);
         if (uint64_t{spec.image.width} * spec.image.height > kMostStudyPixels)
-            faults_.push_back({pointer, "a study's pictures have at most 2097152 pixels"});
+            faults_.add(pointer, "a study's pictures have at most 2097152 pixels");
     } catch (const Error& error) {
-        for (const Fault& fault : error.faults)
-            faults_.push_back({pointer, fault.pointer + " " + fault.message});
-        if (error.faults.empty()) faults_.push_back({pointer, error.what()});
+        for (const Fault& fault : error.faults) faults_.add(pointer, fault.pointer + " " + fault.message);
+        if (error.faults.empty()) faults_.add(pointer, error.what());
     }
 }
 
 void StudyPlan::requireFewJobs() {
     if (variants_.size() * request_.samples.size() * request_.seeds > kMostStudyJobs)
-        faults_.push_back(
-            {"/knobs", "the study makes more than " + std::to_string(kMostStudyJobs) + " jobs"});
+        faults_.add("/knobs", "the study makes more than " + std::to_string(kMostStudyJobs) + " jobs");
 }
 
 JobSpec StudyPlan::job(const StudyCell& cell, uint32_t seed) const {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/study/request.h"
-#include "shared/error/error.h"
+#include "shared/job/json_reader.h"
 
 namespace tilefarm {
 
@@ -42,7 +42,7 @@ private:
     nlohmann::json base_;
     std::vector<StudyVariant> variants_;
     std::vector<StudyCell> cells_;
-    std::vector<Fault> faults_;
+    Faults faults_;
 };
 
 /// The idempotency key of a job of a study.

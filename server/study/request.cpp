@@ -5,6 +5,7 @@
 #include <set>
 
 #include "shared/error/error.h"
+#include "shared/job/json_reader.h"
 #include "shared/job/wire.h"
 
 namespace tilefarm {
@@ -50,19 +51,13 @@ public:
                   "must be an integer from " + std::to_string(least) + " to " + std::to_string(most));
     }
     void fault(std::string pointer, std::string message) {
-        faults_.push_back({std::move(pointer), std::move(message)});
+        faults_.add(std::move(pointer), std::move(message));
     }
-    void finish() const {
-        if (faults_.empty()) return;
-        throw Error(ErrorCode::invalidArgument,
-                    "the study has " + std::to_string(faults_.size()) +
-                        " fault(s); first: " + faults_[0].pointer + ": " + faults_[0].message,
-                    faults_);
-    }
+    Faults& faults() { return faults_; }
 
 private:
     const json& from_;
-    std::vector<Fault> faults_;
+    Faults faults_;
 };
 
 void readJob(Reader& reader, StudyRequest& request) {
@@ -71,8 +66,7 @@ void readJob(Reader& reader, StudyRequest& request) {
     try {
         request.job = jobFromJson(*job);
     } catch (const Error& error) {
-        for (const Fault& fault : error.faults) reader.fault("/job" + fault.pointer, fault.message);
-        if (error.faults.empty()) reader.fault("/job", error.what());
+        reader.faults().addBelow("/job", error);
     }
     if (request.job.frames.count != 1) reader.fault("/job/frames", "a study is of one frame");
 }
@@ -156,7 +150,7 @@ StudyRequest studyFromJson(const json& from) {
         else
             request.name = *name;
     }
-    reader.finish();
+    reader.faults().throwIfAny(ErrorCode::invalidArgument, "the study");
     return request;
 }
 

@@ -68,6 +68,11 @@ void Faults::add(std::string pointer, std::string message) {
     faults_.push_back({std::move(pointer), std::move(message)});
 }
 
+void Faults::addBelow(const std::string& pointer, const Error& error) {
+    for (const Fault& fault : error.faults) add(pointer + fault.pointer, fault.message);
+    if (error.faults.empty()) add(pointer, error.what());
+}
+
 bool Faults::at(std::string_view pointer) const {
     return std::any_of(faults_.begin(), faults_.end(), [&](const Fault& fault) {
         return fault.pointer.starts_with(pointer) &&

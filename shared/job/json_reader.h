@@ -67,6 +67,9 @@ struct Choice {
 class Faults {
 public:
     void add(std::string pointer, std::string message);
+    /// Those of an input that stands at `pointer` of this one.
+    void addBelow(const std::string& pointer, const Error& error);
+    bool none() const { return faults_.empty(); }
     /// True if a fault stands at this place or below it: what depends on it is not worth a word.
     bool at(std::string_view pointer) const;
     /// Throws Error(code) with all faults, if there are any. `what` names the input: "the job".
