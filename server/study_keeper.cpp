@@ -6,6 +6,7 @@ namespace tilefarm {
 namespace {
 
 constexpr auto kLookForJobsEvery = std::chrono::milliseconds(300);
+constexpr auto kAfterAStudyFault = std::chrono::seconds(2);  // a full disk: not in a tight circle
 
 }  // namespace
 
@@ -24,14 +25,19 @@ void StudyKeeper::run() {
     std::unique_lock lock(mutex_);
     while (!stopping_) {
         lock.unlock();
-        bool more = false;
+        bool more = false, well = true;
         try {
             more = studies_.step();
         } catch (const std::exception& fault) {
             spdlog::error("studies: {}", fault.what());
+            well = false;
         }
         lock.lock();
-        if (!more) woken_.wait_for(lock, kLookForJobsEvery, [&] { return stopping_; });
+        const auto stopping = [&] { return stopping_; };
+        if (!well)
+            woken_.wait_for(lock, kAfterAStudyFault, stopping);
+        else if (!more)
+            woken_.wait_for(lock, kLookForJobsEvery, stopping);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "shared/image/png.h"
+#include "shared/image/primaries.h"
 
 namespace tilefarm {
 namespace {
@@ -52,8 +53,10 @@ std::vector<float> resizedPlane(const std::vector<float>& plane, uint32_t width,
 }
 
 double luminance(const FloatImage& image, size_t pixel) {
-    return 0.2126 * image.planes[0][pixel] + 0.7152 * image.planes[1][pixel] +
-           0.0722 * image.planes[2][pixel];
+    static const std::array weights = luminanceWeights({});
+    double sum = 0;
+    for (size_t c = 0; c < weights.size(); ++c) sum += weights[c] * image.planes[c][pixel];
+    return sum;
 }
 
 }  // namespace

@@ -20,9 +20,11 @@ double valueOf(const json& cell, const char* member) {
     return cell.at(member).at("value").get<double>();
 }
 
+// An mse at or below 0 is all the reference's own noise, and a share of it says nothing.
 bool isBiased(const json& cell) {
+    const double mse = valueOf(cell, "mse");
     return std::abs(cell.at("bias").at("z").get<double>()) > kBiasedZ ||
-           cell.at("squaredBias").get<double>() > kBiasedShare * valueOf(cell, "mse");
+           (mse > 0 && cell.at("squaredBias").get<double>() > kBiasedShare * mse);
 }
 
 // By seed, as the same seed's noise is in both.

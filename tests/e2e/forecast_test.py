@@ -22,7 +22,8 @@ class Forecast(FarmTest):
         self.wait_for_end(job)
         frame = self.get(f"/v1/jobs/{job}/report")["frames"][0]
         samples = sum(line["samples"] for line in self.get(f"/v1/jobs/{job}/report")["workers"]) / (96 * 72)
-        # Samples follow from the error; seconds depend on what else this machine does.
+        # Seconds depend on what else this machine does, samples do not. From 16 samples the error is known to about a
+        # fifth, and the samples go with its square.
         self.assertLess(abs(samples / expected["samples"] - 1), 0.5)
         self.assertAlmostEqual(frame["forecast"]["outcome"], frame["deviceSeconds"])
         self.assertLess(frame["forecast"]["madeAtDeviceSeconds"], frame["deviceSeconds"])

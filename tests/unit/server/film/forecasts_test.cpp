@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/server/support/test_farm.h"
@@ -109,9 +108,18 @@ TEST_F(ForecastsTest, OfAJobWithAnErrorTargetKnowItsTiles) {
     const json expected = view(id, 1, {0.1})["forecast"];
     EXPECT_EQ(expected, view(id, 1, {0.1})["targets"][0]["forecast"]);
     EXPECT_NEAR(expected["relativeError"], 0.1, 1e-12);
-    // Whole passes of single tiles, not the samples of a law.
-    const double pixelSamples = expected["samples"].get<double>() * 40 * 24;
-    EXPECT_NEAR(pixelSamples, std::round(pixelSamples), 1e-6);
+    // As the tiles would be promoted, not as if all pixels were sampled alike.
+    std::vector<TileError> tiles;
+    farm.store->read([&](const ConstTables& t) {
+        for (const TileErrorRow& row : t.frames.tileErrors(farm.job(id).key, 0)) {
+            tiles.push_back(row.error);
+            tiles.back().pixels = TileGrid(spec.image).rect(row.tile).area();
+        }
+    });
+    ASSERT_EQ(tiles.size(), 6u);
+    const auto promoted = samplesUntil(passSchedule(4096), tiles, 0.1 * 0.1 * 40 * 24);
+    ASSERT_TRUE(promoted);
+    EXPECT_NEAR(expected["samples"], static_cast<double>(*promoted) / (40 * 24), 1e-9);
 }
 
 TEST_F(ForecastsTest, OfAPilotThatEndedGoOnKnowingItsTiles) {

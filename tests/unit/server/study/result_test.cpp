@@ -66,6 +66,16 @@ TEST(StudyMeasure, ComparesEachSeedWithTheReference) {
     EXPECT_THAT(cell.pictures["difference"], HasSubstr("data:image/png;base64,iVBOR"));
 }
 
+// What is as exact as the reference has an error of about 0, on either side of it.
+TEST(StudyResult, SeesNoBiasInTheReferencesOwnNoise) {
+    std::map<uint32_t, json> measured;
+    for (uint32_t cell = 0; cell < 3; ++cell) measured[cell] = measuredCell({-1e-6, -3e-6}, {1, 1}, -5e-7);
+    const json result = studyResult(twoClamps(), measured);
+    for (const json& variant : result["variants"]) EXPECT_EQ(variant["cells"][0]["biased"], false);
+    measured[1] = measuredCell({1e-6, 3e-6}, {1, 1}, 1.5e-6);
+    EXPECT_EQ(studyResult(twoClamps(), measured)["variants"][1]["cells"][0]["biased"], true);
+}
+
 TEST(StudyMeasure, TellsABiasByItsZ) {
     const std::vector<double> seconds{1, 1};
     const auto cell =
